@@ -1,7 +1,5 @@
 #include "proto/contract/resolve.h"
 
-#include <openssl/evp.h>
-
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -9,6 +7,7 @@
 #include "proto/contract/effects.h"
 #include "proto/contract/field_path.h"
 #include "proto/contract/scene_rules.h"
+#include "proto/contract/sha256.h"
 #include "proto/contract/version.h"
 
 namespace granary {
@@ -197,19 +196,6 @@ std::string canonical_text(const v1::Scene& scene, const std::set<std::string>& 
 Result<ResolvedScene> resolve(const v1::Scene& scene) {
   if (Status status = validate_scene(scene); !status) return status.error();
   return Resolver(scene).run();
-}
-
-std::string sha256_hex(std::string_view bytes) {
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned int length = 0;
-  EVP_Digest(bytes.data(), bytes.size(), digest, &length, EVP_sha256(), nullptr);
-  static constexpr char kHex[] = "0123456789abcdef";
-  std::string hex;
-  for (unsigned int i = 0; i < length; ++i) {
-    hex += kHex[digest[i] >> 4];
-    hex += kHex[digest[i] & 15];
-  }
-  return hex;
 }
 
 std::string job_key(const v1::Scene& resolved) {

@@ -30,6 +30,4 @@ std::string job_key(const v1::Scene& resolved);
 // The same over what decides the filling only; empty for scenes without one.
 std::string filling_key(const v1::Scene& resolved);
 
-std::string sha256_hex(std::string_view bytes);
-
 }  // namespace granary

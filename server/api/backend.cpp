@@ -1,0 +1,31 @@
+#include "server/api/backend.h"
+
+namespace granary::server {
+
+Now system_now() {
+  using std::chrono::duration_cast;
+  using std::chrono::milliseconds;
+  return {duration_cast<milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count(),
+          duration_cast<milliseconds>(std::chrono::steady_clock::now().time_since_epoch()).count()};
+}
+
+grpc::Status to_grpc(const Status& status) {
+  if (status.ok()) return grpc::Status::OK;
+  const Error& error = status.error();
+  // The field path travels as the binary detail, so that clients need not parse the message.
+  return {static_cast<grpc::StatusCode>(error.code), error.message, error.field_path};
+}
+
+grpc::ServerUnaryReactor* answer_on_owner(Backend& backend, grpc::CallbackServerContext* context,
+                                          std::function<Status()> work) {
+  backend.touch();
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  auto outcome = std::make_shared<Status>(Done{});
+  backend.owner.post([work = std::move(work), outcome] { *outcome = work(); },
+                     [reactor, outcome](const Status& committed) {
+                       reactor->Finish(to_grpc(committed.ok() ? *outcome : committed));
+                     });
+  return reactor;
+}
+
+}  // namespace granary::server

@@ -1,0 +1,37 @@
+// What every service of the API stands on, and the way onto the owner thread.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include <grpcpp/grpcpp.h>
+
+#include "server/artifacts/artifact_store.h"
+#include "server/jobs/dispatcher.h"
+#include "server/store/owner_thread.h"
+
+namespace granary::server {
+
+Now system_now();
+
+struct Backend {
+  OwnerThread& owner;
+  Dispatcher& dispatcher;  // owner thread only
+  JobStore& store;         // owner thread only
+  ArtifactStore& artifacts;
+  std::atomic<std::int64_t> last_use_ms{0};  // steady; users only, workers do not keep a server alive
+
+  void touch() { last_use_ms = system_now().steady_ms; }
+};
+
+grpc::Status to_grpc(const Status& status);
+
+// Answers a unary call from the owner thread: `work` fills the response inside the transaction, the
+// reply leaves after the commit.
+grpc::ServerUnaryReactor* answer_on_owner(Backend& backend, grpc::CallbackServerContext* context,
+                                          std::function<Status()> work);
+
+}  // namespace granary::server

@@ -1,0 +1,58 @@
+#include "server/api/job_messages.h"
+
+#include "proto/contract/resolve.h"
+#include "proto/contract/scene_rules.h"
+
+namespace granary::server {
+namespace {
+
+void put_time(std::int64_t ms, google::protobuf::Timestamp* time) {
+  time->set_seconds(ms / 1000);
+  time->set_nanos(static_cast<std::int32_t>(ms % 1000) * 1'000'000);
+}
+
+}  // namespace
+
+v1::Job to_message(const JobRecord& job) {
+  v1::Job message;
+  message.set_name(job_name(job.id));
+  message.set_kind(job.kind);
+  message.set_state(job.state);
+  if (!job.scene_bytes.empty()) message.mutable_scene()->ParseFromString(job.scene_bytes);
+  for (const auto& [name, value] : job.tags) (*message.mutable_tags())[name] = value;
+  message.set_priority(job.priority);
+  message.set_owner(job.owner);
+  message.set_key(job.key);
+  put_time(job.submitted_ms, message.mutable_submitted());
+  if (job.started_ms > 0) put_time(job.started_ms, message.mutable_started());
+  if (job.ended_ms > 0) put_time(job.ended_ms, message.mutable_ended());
+  message.set_attempts(job.attempts);
+  message.set_worker(job.worker);
+  message.set_error(job.error);
+  message.set_time_limit_s(job.time_limit_s);
+  message.set_reused(job.reused);
+  message.set_timed_out(job.timed_out);
+  if (!job.result_sha256.empty()) {
+    message.mutable_result()->set_sha256(job.result_sha256);
+    message.mutable_result()->set_size_bytes(job.result_bytes);
+  }
+  return message;
+}
+
+Result<NewJob> to_new_job(const v1::SubmitJobsRequest::Item& item, const std::string& owner) {
+  auto resolved = resolve(item.scene());
+  if (!resolved) return resolved.error();
+  NewJob job;
+  job.kind = kind_of(item.scene());
+  job.scene_bytes = item.scene().SerializeAsString();
+  job.resolved_bytes = resolved->scene.SerializeAsString();
+  job.key = job_key(resolved->scene);
+  job.tags = {item.tags().begin(), item.tags().end()};
+  job.priority = item.priority();
+  job.owner = owner;
+  job.time_limit_s = item.time_limit_s();
+  job.fresh = item.fresh();
+  return job;
+}
+
+}  // namespace granary::server

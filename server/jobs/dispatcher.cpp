@@ -1,0 +1,348 @@
+#include "server/jobs/dispatcher.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "proto/contract/job_state.h"
+
+namespace granary::server {
+namespace {
+
+constexpr std::int64_t kForgetLostWorkerMs = 3'600'000;
+
+Error not_found(JobId id) { return {ErrorCode::not_found, "no job " + job_name(id), "name"}; }
+
+v1::JobEvent to_event(const EventRecord& record) {
+  v1::JobEvent event;
+  event.set_sequence(record.sequence);
+  event.mutable_time()->set_seconds(record.time_ms / 1000);
+  event.mutable_time()->set_nanos(static_cast<std::int32_t>(record.time_ms % 1000) * 1'000'000);
+  event.set_state(record.state);
+  event.set_message(record.message);
+  return event;
+}
+
+}  // namespace
+
+Dispatcher::Dispatcher(JobStore& store, QueueLimits limits) : store_(store), limits_(limits) {}
+
+void Dispatcher::reload(Now now) {
+  if (epoch_ == 0) epoch_ = store_.next_epoch();
+  leases_.clear();
+  for (const TaskRecord& task : store_.open_tasks())
+    leases_.grant(task.id, task.job, task.worker, now.steady_ms);
+  counts_ = store_.count_jobs();
+  effects_.clear();
+  slots_may_be_free_ = true;
+}
+
+// ------------------------------------------------------------------------------------------- users
+
+JobId Dispatcher::insert(const NewJob& job, Now now) {
+  const JobId id = store_.insert_job(job, now.wall_ms);
+  const auto stored = job.fresh ? std::nullopt : store_.find_complete(job.key);
+  if (!stored) {
+    ++counts_.waiting;
+    slots_may_be_free_ = true;
+    store_.append_event(id, {next_sequence(), now.wall_ms, v1::WAITING, ""});
+    return id;
+  }
+  JobRecord record = *store_.find_job(id);
+  record.state = v1::COMPLETE;
+  record.reused = true;
+  record.started_ms = record.ended_ms = now.wall_ms;
+  record.result_sha256 = stored->result_sha256;
+  record.result_bytes = stored->result_bytes;
+  store_.share_result(stored->id, id);
+  store_.update_job(record);
+  store_.append_event(id, {next_sequence(), now.wall_ms, v1::COMPLETE, "stored result of " + job_name(stored->id)});
+  return id;
+}
+
+Result<std::vector<JobId>> Dispatcher::submit(const Submission& submission, Now now) {
+  if (!submission.request_id.empty())
+    if (auto earlier = store_.find_request(submission.request_id)) return *earlier;
+  if (counts_.waiting + submission.jobs.size() > limits_.max_waiting)
+    return Error{ErrorCode::resource_exhausted,
+                 "the queue is full (" + std::to_string(limits_.max_waiting) + " waiting jobs), retry in 10 s", ""};
+  std::vector<JobId> ids;
+  ids.reserve(submission.jobs.size());
+  for (const NewJob& job : submission.jobs) ids.push_back(insert(job, now));
+  if (!submission.request_id.empty()) store_.put_request(submission.request_id, ids, now.wall_ms);
+  fill_slots(now);
+  return ids;
+}
+
+Result<JobRecord> Dispatcher::find(JobId id) {
+  auto job = store_.find_job(id);
+  if (!job) return not_found(id);
+  return *job;
+}
+
+Result<JobRecord> Dispatcher::cancel(JobId id, Now now) {
+  auto job = store_.find_job(id);
+  if (!job) return not_found(id);
+  if (job->state == v1::WAITING) {
+    --counts_.waiting;
+    job->cancel_requested = true;
+    job->state = v1::CANCELLED;
+    job->error = "cancelled";
+    job->ended_ms = now.wall_ms;
+    store_state(*job, "cancelled while waiting", now);
+  } else if (job->state == v1::RUNNING) {
+    job->cancel_requested = true;
+    store_.update_job(*job);
+    v1::ServerMessage message;
+    message.mutable_cancel()->set_task(task_name(job->task));
+    message.mutable_cancel()->set_reason("cancelled");
+    send(job->worker, std::move(message));
+  }
+  return *job;
+}
+
+Result<JobRecord> Dispatcher::retry(JobId id, Now now) {
+  auto job = store_.find_job(id);
+  if (!job) return not_found(id);
+  if (job->state != v1::ERROR && job->state != v1::UNSTABLE && job->state != v1::CANCELLED)
+    return Error{ErrorCode::failed_precondition,
+                 job_name(id) + " is " + std::string(to_string(job->state)) +
+                     "; only error, unstable and cancelled jobs can be retried", "name"};
+  job->state = v1::WAITING;
+  job->cancel_requested = job->timed_out = false;
+  job->lost_workers = job->engine_crashes = 0;
+  job->error.clear();
+  job->ended_ms = 0;
+  ++counts_.waiting;
+  store_state(*job, "retried", now);
+  fill_slots(now);
+  return *job;
+}
+
+Status Dispatcher::remove(JobId id) {
+  auto job = store_.find_job(id);
+  if (!job) return not_found(id);
+  if (!is_final(job->state))
+    return Error{ErrorCode::failed_precondition,
+                 job_name(id) + " is " + std::string(to_string(job->state)) + "; cancel it first", "name"};
+  store_.delete_job(id);
+  return Done{};
+}
+
+Status Dispatcher::watch(JobId id, std::uint64_t after_sequence, std::shared_ptr<Watcher> watcher) {
+  const auto job = store_.find_job(id);
+  if (!job) return not_found(id);
+  std::vector<v1::JobEvent> backlog;
+  for (const EventRecord& record : store_.events_after(id, after_sequence)) backlog.push_back(to_event(record));
+  const bool ended = is_final(job->state);
+  // After the commit, so that a watcher sees each event of this batch once and in order.
+  effects_.push_back([this, id, ended, backlog = std::move(backlog), watcher = std::move(watcher)] {
+    for (const v1::JobEvent& event : backlog) watcher->deliver(event);
+    if (ended) return watcher->finish();
+    if (const v1::JobEvent* progress = hub_.progress(id)) watcher->deliver(*progress);
+    hub_.subscribe(id, watcher);
+  });
+  return Done{};
+}
+
+void Dispatcher::unwatch(JobId id, const Watcher* watcher) { hub_.unsubscribe(id, watcher); }
+
+// ----------------------------------------------------------------------------------------- workers
+
+void Dispatcher::worker_connected(const v1::WorkerHello& hello, std::shared_ptr<WorkerLink> link,
+                                  Now now) {
+  if (auto old = registry_.connect(hello, std::move(link), now.steady_ms))
+    effects_.push_back([old = std::move(old)] { old->close(); });
+  v1::ServerMessage welcome;
+  welcome.mutable_welcome()->set_heartbeat_s(kHeartbeatMs / 1000.0);
+  welcome.mutable_welcome()->set_lease_s(kLeaseMs / 1000.0);
+  send(hello.worker_id(), std::move(welcome));
+  std::vector<TaskId> held;
+  for (const v1::HeldTask& task : hello.held()) {
+    const auto id = task_id_from(task.task());
+    if (id && leases_.renew(*id, hello.worker_id(), now.steady_ms)) held.push_back(*id);
+    else if (id) drop(hello.worker_id(), *id);
+  }
+  // What it should hold but does not was assigned in a message that never arrived.
+  for (const Lease& lease : leases_.of_worker(hello.worker_id())) {
+    if (std::find(held.begin(), held.end(), lease.task) != held.end()) continue;
+    end_execution(*store_.find_job(lease.job), ExecutionEnd::released, "assignment lost", now);
+  }
+  slots_may_be_free_ = true;
+  fill_slots(now);
+}
+
+void Dispatcher::worker_disconnected(const std::string& worker_id, const WorkerLink* link, Now now) {
+  if (registry_.disconnect(worker_id, link)) leases_.shorten(worker_id, now.steady_ms);
+}
+
+void Dispatcher::heartbeat(const std::string& worker_id, const v1::WorkerHeartbeat& message, Now now) {
+  registry_.seen(worker_id, now.steady_ms);
+  registry_.set_draining(worker_id, message.draining());
+  for (const v1::HeldTask& task : message.held()) {
+    const auto id = task_id_from(task.task());
+    if (id && !leases_.renew(*id, worker_id, now.steady_ms)) drop(worker_id, *id);
+  }
+}
+
+void Dispatcher::task_progress(const std::string& worker_id, const v1::TaskProgress& message, Now now) {
+  const auto task = task_id_from(message.task());
+  registry_.seen(worker_id, now.steady_ms);
+  if (!task) return;
+  if (!leases_.renew(*task, worker_id, now.steady_ms)) return drop(worker_id, *task);
+  const JobId job = leases_.find(*task)->job;
+  v1::JobEvent event;
+  event.set_sequence(next_sequence());
+  event.mutable_time()->set_seconds(now.wall_ms / 1000);
+  event.mutable_time()->set_nanos(static_cast<std::int32_t>(now.wall_ms % 1000) * 1'000'000);
+  *event.mutable_progress() = message.progress();
+  hub_.set_progress(job, event);
+  hub_.publish(job, event);
+}
+
+void Dispatcher::task_finished(const std::string& worker_id, const v1::TaskFinished& message, Now now) {
+  const auto task = task_id_from(message.task());
+  registry_.seen(worker_id, now.steady_ms);
+  if (!task) return;
+  // Of an earlier execution, or told a second time after its acknowledgement was lost.
+  const Lease* lease = leases_.find(*task);
+  if (!lease || lease->worker != worker_id) return acknowledge(worker_id, *task);
+  JobRecord job = *store_.find_job(lease->job);
+  ExecutionEnd end = execution_end_of(message.outcome());
+  if (end == ExecutionEnd::complete) {
+    job.result_sha256 = message.artifact().sha256();
+    job.result_bytes = message.artifact().size_bytes();
+  }
+  if (message.has_result()) store_.put_result(job.id, message.result());
+  store_.append_logs(job.id, {message.log_lines().begin(), message.log_lines().end()});
+  end_execution(std::move(job), end, message.message(), now);
+  acknowledge(worker_id, *task);
+  fill_slots(now);
+}
+
+void Dispatcher::end_execution(JobRecord job, ExecutionEnd end, const std::string& message, Now now) {
+  const TaskId task = job.task;
+  store_.end_task(task, now.wall_ms, outcome_text(end), message);
+  leases_.end(task);
+  --counts_.running;
+  apply_execution_end(job, end, message, now);
+  if (job.state == v1::WAITING) ++counts_.waiting;
+  slots_may_be_free_ = true;
+  store_state(job, message, now);
+}
+
+void Dispatcher::assign(Worker& worker, JobRecord job, Now now) {
+  job.task = store_.insert_task(job.id, worker.hello.worker_id(), now.wall_ms);
+  job.worker = worker.hello.worker_id();
+  job.state = v1::RUNNING;
+  job.error.clear();
+  ++job.attempts;
+  if (job.started_ms == 0) job.started_ms = now.wall_ms;
+  --counts_.waiting;
+  ++counts_.running;
+  leases_.grant(job.task, job.id, job.worker, now.steady_ms);
+  store_state(job, "on " + job.worker, now);
+  v1::ServerMessage message;
+  v1::TaskAssignment& task = *message.mutable_assign();
+  task.set_task(task_name(job.task));
+  task.set_fencing_token(static_cast<std::uint64_t>(job.task));
+  task.set_job(job_name(job.id));
+  task.mutable_scene()->ParseFromString(job.scene_bytes);
+  task.set_time_limit_s(job.time_limit_s);
+  task.set_attempt(job.attempts);
+  send(job.worker, std::move(message));
+}
+
+void Dispatcher::fill_slots(Now now) {
+  if (!slots_may_be_free_) return;
+  for (auto& [id, worker] : registry_.all()) {
+    if (!worker.link || worker.draining) continue;
+    const std::vector<std::string> kinds(worker.hello.kinds().begin(), worker.hello.kinds().end());
+    while (counts_.waiting > 0 && busy_slots(worker) < worker.hello.slots()) {
+      auto job = store_.next_waiting(kinds);
+      if (!job) break;
+      assign(worker, std::move(*job), now);
+    }
+  }
+  slots_may_be_free_ = counts_.waiting == 0 || free_slots() > 0;
+}
+
+void Dispatcher::store_state(JobRecord& job, const std::string& message, Now now) {
+  store_.update_job(job);
+  const EventRecord record{next_sequence(), now.wall_ms, job.state, message};
+  store_.append_event(job.id, record);
+  effects_.push_back([this, id = job.id, state = job.state, event = to_event(record)] {
+    hub_.publish(id, event);
+    if (state != v1::RUNNING) hub_.forget_progress(id);
+    if (is_final(state)) hub_.finish(id);
+  });
+}
+
+// -------------------------------------------------------------------------------------------- time
+
+void Dispatcher::tick(Now now) {
+  for (const Lease& lease : leases_.expired(now.steady_ms)) {
+    auto job = store_.find_job(lease.job);
+    if (job && job->task == lease.task)
+      end_execution(std::move(*job), ExecutionEnd::worker_lost, "worker " + lease.worker + " was lost", now);
+    else leases_.end(lease.task);
+    drop(lease.worker, lease.task);
+  }
+  registry_.forget_older_than(now.steady_ms - kForgetLostWorkerMs);
+  fill_slots(now);
+}
+
+bool Dispatcher::idle() const {
+  return counts_.waiting == 0 && counts_.running == 0 && hub_.watcher_count() == 0;
+}
+
+std::vector<v1::WorkerInfo> Dispatcher::list_workers(Now now) {
+  std::vector<v1::WorkerInfo> out;
+  for (const auto& [id, worker] : registry_.all()) {
+    v1::WorkerInfo info;
+    info.set_worker_id(id);
+    info.set_host(worker.hello.host());
+    info.set_slots(worker.hello.slots());
+    info.set_busy(busy_slots(worker));
+    info.set_state(!worker.link ? "lost" : worker.draining ? "draining" : "connected");
+    info.set_seconds_since_seen(static_cast<double>(now.steady_ms - worker.seen_ms) / 1000.0);
+    info.set_engine_version(worker.hello.engine_version());
+    info.set_vector_path(worker.hello.vector_path());
+    info.set_pid(worker.hello.pid());
+    for (const Lease& lease : leases_.of_worker(id)) info.add_tasks(job_name(lease.job));
+    out.push_back(std::move(info));
+  }
+  return out;
+}
+
+QueueCounts Dispatcher::counts() { return counts_; }
+
+std::uint32_t Dispatcher::free_slots() {
+  std::uint32_t free = 0;
+  for (const auto& [id, worker] : registry_.all())
+    if (worker.link && !worker.draining) free += worker.hello.slots() - std::min(worker.hello.slots(), busy_slots(worker));
+  return free;
+}
+
+std::uint32_t Dispatcher::busy_slots(const Worker& worker) const {
+  return leases_.count_of(worker.hello.worker_id());
+}
+
+void Dispatcher::send(const std::string& worker_id, v1::ServerMessage message) {
+  const Worker* worker = registry_.find(worker_id);
+  if (!worker || !worker->link) return;
+  effects_.push_back([link = worker->link, message = std::move(message)]() mutable { link->send(std::move(message)); });
+}
+
+void Dispatcher::drop(const std::string& worker_id, TaskId task) {
+  v1::ServerMessage message;
+  message.mutable_drop()->set_task(task_name(task));
+  send(worker_id, std::move(message));
+}
+
+void Dispatcher::acknowledge(const std::string& worker_id, TaskId task) {
+  v1::ServerMessage message;
+  message.mutable_acknowledged()->set_task(task_name(task));
+  send(worker_id, std::move(message));
+}
+
+}  // namespace granary::server

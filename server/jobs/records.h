@@ -1,0 +1,97 @@
+// Plain records of the queue, as policy sees them and the store keeps them. Times: wall clock in
+// milliseconds since 1970 for people; leases use the steady clock (lease_table.h).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "granary/v1/job.pb.h"
+#include "granary/v1/result.pb.h"
+#include "granary/v1/worker.pb.h"
+
+namespace granary::server {
+
+using JobId = std::int64_t;
+using TaskId = std::int64_t;  // grows with every execution: it is the fencing token
+
+// Both clocks, taken once per request: policy never asks for the time itself.
+struct Now {
+  std::int64_t wall_ms = 0;
+  std::int64_t steady_ms = 0;
+};
+
+struct JobRecord {
+  JobId id = 0;
+  std::string kind;
+  v1::JobState state = v1::WAITING;
+  std::string scene_bytes;     // v1.Scene as submitted
+  std::string resolved_bytes;  // v1.Scene as run
+  std::string key;
+  std::map<std::string, std::string> tags;
+  std::int32_t priority = 0;
+  std::string owner;
+  std::int64_t submitted_ms = 0;
+  std::int64_t started_ms = 0;  // 0 = not yet
+  std::int64_t ended_ms = 0;
+  std::uint32_t attempts = 0;
+  std::uint32_t lost_workers = 0;   // executions that ended with their worker
+  std::uint32_t engine_crashes = 0;
+  TaskId task = 0;                  // current execution; 0 = none
+  bool cancel_requested = false;
+  std::string worker;
+  std::string error;
+  bool timed_out = false;
+  bool reused = false;
+  double time_limit_s = 0;
+  std::string result_sha256;
+  std::uint64_t result_bytes = 0;
+};
+
+struct NewJob {
+  std::string kind;
+  std::string scene_bytes;
+  std::string resolved_bytes;
+  std::string key;
+  std::map<std::string, std::string> tags;
+  std::int32_t priority = 0;
+  std::string owner;
+  double time_limit_s = 0;
+  bool fresh = false;
+};
+
+struct TaskRecord {
+  TaskId id = 0;
+  JobId job = 0;
+  std::string worker;
+  std::int64_t started_ms = 0;
+};
+
+struct EventRecord {
+  std::uint64_t sequence = 0;
+  std::int64_t time_ms = 0;
+  v1::JobState state = v1::WAITING;
+  std::string message;
+};
+
+struct ListFilter {
+  std::string kind;
+  std::optional<v1::JobState> state;
+  std::map<std::string, std::string> tags;
+  JobId before = 0;  // 0 = from the newest
+  std::uint32_t limit = 100;
+};
+
+struct QueueCounts {
+  std::uint64_t waiting = 0;
+  std::uint64_t running = 0;
+};
+
+std::string job_name(JobId id);
+std::optional<JobId> job_id_from(const std::string& name);  // "jobs/17"
+std::string task_name(TaskId id);
+std::optional<TaskId> task_id_from(const std::string& name);
+
+}  // namespace granary::server

@@ -1,0 +1,65 @@
+// granaryd: wiring only.
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <thread>
+
+#include "proto/contract/version.h"
+#include "server/ops/server.h"
+
+namespace {
+
+volatile std::sig_atomic_t stop_signal = 0;
+void on_signal(int signal) { stop_signal = signal; }
+
+std::filesystem::path default_data() {
+  if (const char* data = std::getenv("GRANARY_DATA")) return data;
+  if (const char* data = std::getenv("XDG_DATA_HOME")) return std::filesystem::path(data) / "granary";
+  const char* home = std::getenv("HOME");
+  return std::filesystem::path(home ? home : ".") / ".local/share/granary";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using granary::server::Server;
+  CLI::App app{"granaryd: the Granary server\n\nExample: granaryd --data /var/lib/granary --listen 127.0.0.1:7420"};
+  granary::server::ServerConfig config;
+  config.data = default_data();
+  config.listen = "127.0.0.1:7420";
+  std::string log_level = "info";
+  app.add_option("--data", config.data, "data directory (database, artifacts)")->capture_default_str();
+  app.add_option("--listen", config.listen, "127.0.0.1:PORT (0 = any) or unix:PATH")->capture_default_str();
+  app.add_option("--idle-exit", config.idle_exit_s, "leave after this many seconds without use; 0 = stay");
+  app.add_option("--log-level", log_level, "debug, info, warn, error")->envname("GRANARY_LOG_LEVEL");
+  app.set_version_flag("--version", std::string("granaryd ") + granary::kProductVersion);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("granaryd"));
+  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z level=%l %v");
+  spdlog::set_level(spdlog::level::from_str(log_level));
+  std::signal(SIGTERM, on_signal);
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGPIPE, SIG_IGN);
+
+  auto server = Server::start(config);
+  if (!server) {
+    std::fprintf(stderr, "granaryd: %s\n", server.error().message.c_str());
+    return 2;
+  }
+  std::printf("listening on %s\n", (*server)->address().c_str());
+  std::fflush(stdout);
+  spdlog::info("event=start address={} data={}", (*server)->address(), config.data.string());
+  while (stop_signal == 0 && !(*server)->wants_to_exit()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  spdlog::info("event=drain reason={}", stop_signal ? "signal" : "idle");
+  (*server)->drain();
+  spdlog::info("event=exit");
+  return 0;
+}

@@ -1,0 +1,147 @@
+#include "server/ops/server.h"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <spdlog/spdlog.h>
+#include <sys/stat.h>
+
+#include <atomic>
+
+#include "server/api/jobs_service.h"
+#include "server/api/workers_service.h"
+#include "server/ops/data_lock.h"
+#include "server/ops/listen_address.h"
+#include "server/store/database.h"
+#include "server/store/sqlite_job_store.h"
+
+namespace granary::server {
+namespace {
+
+constexpr int kMaxMessageBytes = 64 << 20;  // a batch of 10,000 scenes; single scenes are far smaller
+
+class RunningServer : public Server {
+ public:
+  RunningServer(const ServerConfig& config, DataLock lock)
+      : config_(config),
+        lock_(std::move(lock)),
+        database_(config.data / "granary.db"),
+        store_(database_.connection()),
+        dispatcher_(store_, {}),
+        artifacts_(config.data / "artifacts"),
+        owner_(database_, hooks()),
+        backend_{owner_, dispatcher_, store_, artifacts_, {system_now().steady_ms}},
+        jobs_(backend_),
+        workers_(backend_) {
+    owner_.post([this] { dispatcher_.reload(system_now()); }, nullptr);
+  }
+  ~RunningServer() override { drain(); }
+
+  Status listen() {
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+    grpc::ServerBuilder builder;
+    int port = 0;
+    builder.AddListeningPort(config_.listen, grpc::InsecureServerCredentials(), &port);
+    builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
+    // A second server on the same port must fail, not share it.
+    builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+    // Half-open connections of dead machines are found within 30 s.
+    builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
+    builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
+    builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
+    builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+    builder.RegisterService(&jobs_);
+    builder.RegisterService(&workers_);
+    const ::mode_t mask = ::umask(0077);  // the socket file is for this user only
+    grpc_ = builder.BuildAndStart();
+    ::umask(mask);
+    if (!grpc_)
+      return Error{ErrorCode::failed_precondition, "cannot listen on " + config_.listen + ": is the address in use?", "listen"};
+    address_ = config_.listen;
+    if (address_.rfind("unix:", 0) != 0) address_ = address_.substr(0, address_.rfind(':') + 1) + std::to_string(port);
+    set_serving(true);
+    return Done{};
+  }
+
+  std::string address() const override { return address_; }
+  bool wants_to_exit() const override { return wants_to_exit_; }
+
+  void drain() override {
+    if (!grpc_) return;
+    set_serving(false);
+    grpc_->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(2));
+    grpc_.reset();
+    owner_.stop();
+  }
+
+ private:
+  OwnerThread::Hooks hooks() {
+    OwnerThread::Hooks hooks;
+    hooks.after_commit = [this] {
+      for (const auto& effect : dispatcher_.take_effects()) effect();
+    };
+    hooks.after_failed_commit = [this] { recover(); };
+    hooks.on_tick = [this] { tick(); };
+    return hooks;
+  }
+
+  void tick() {
+    const Now now = system_now();
+    dispatcher_.tick(now);
+    if (config_.idle_exit_s <= 0) return;
+    if (!dispatcher_.idle()) backend_.touch();
+    if (static_cast<double>(now.steady_ms - backend_.last_use_ms) > 1000 * config_.idle_exit_s) wants_to_exit_ = true;
+  }
+
+  // A commit has failed (disk full): memory forgets what never became true.
+  void recover() {
+    spdlog::error("commit failed, accepting nothing until the disk has room");
+    try {
+      dispatcher_.reload(system_now());
+    } catch (const std::exception& error) {
+      spdlog::critical("the database cannot be read: {}", error.what());
+    }
+  }
+
+  void set_serving(bool serving) {
+    auto* health = grpc_->GetHealthCheckService();
+    health->SetServingStatus(serving);
+    health->SetServingStatus("granary.v1.Jobs", serving);
+    health->SetServingStatus("granary.v1.Workers", serving);
+  }
+
+  ServerConfig config_;
+  DataLock lock_;
+  Database database_;
+  SqliteJobStore store_;
+  Dispatcher dispatcher_;
+  ArtifactStore artifacts_;
+  OwnerThread owner_;
+  Backend backend_;
+  JobsService jobs_;
+  WorkersService workers_;
+  std::unique_ptr<grpc::Server> grpc_;
+  std::string address_;
+  std::atomic<bool> wants_to_exit_ = false;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
+  if (Status status = check_listen_address(config.listen); !status) return status.error();
+  std::error_code error;
+  std::filesystem::create_directories(config.data, error);
+  std::filesystem::permissions(config.data, std::filesystem::perms::owner_all, error);
+  auto lock = DataLock::take(config.data);
+  if (!lock) return lock.error();
+  try {
+    auto server = std::make_unique<RunningServer>(config, std::move(*lock));
+    if (Status status = server->listen(); !status) return status.error();
+    return std::unique_ptr<Server>(std::move(server));
+  } catch (const std::exception& failure) {
+    return Error{ErrorCode::internal, failure.what(), "data"};
+  }
+}
+
+}  // namespace granary::server

@@ -1,0 +1,29 @@
+// The whole server in one object: store, dispatcher, services, listening, idle exit and drain.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "proto/contract/result.h"
+
+namespace granary::server {
+
+struct ServerConfig {
+  std::filesystem::path data;
+  std::string listen;        // check_listen_address()
+  double idle_exit_s = 0;    // 0 = stay
+};
+
+class Server {
+ public:
+  // Opens the data directory, migrates, listens. The error says what to change.
+  static Result<std::unique_ptr<Server>> start(const ServerConfig& config);
+  virtual ~Server() = default;
+
+  virtual std::string address() const = 0;  // with the port that was chosen
+  virtual bool wants_to_exit() const = 0;   // idle for idle_exit_s
+  virtual void drain() = 0;                 // NOT_SERVING, end streams, finish what was accepted
+};
+
+}  // namespace granary::server

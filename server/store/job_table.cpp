@@ -1,0 +1,178 @@
+#include "server/store/job_table.h"
+
+#include "server/store/statement_use.h"
+
+namespace granary::server {
+namespace {
+
+constexpr std::int64_t kPriorityMs = 600'000;
+
+const std::string kColumns =
+    "id, kind, state, priority, owner, key, submitted_ms, started_ms, ended_ms, attempts, "
+    "lost_workers, engine_crashes, task, cancel_requested, worker, error, timed_out, reused, "
+    "time_limit_s, result_sha256, result_bytes";
+
+JobRecord read_job(SQLite::Statement& row) {
+  JobRecord job;
+  int i = 0;
+  job.id = row.getColumn(i++).getInt64();
+  job.kind = row.getColumn(i++).getString();
+  job.state = static_cast<v1::JobState>(row.getColumn(i++).getInt());
+  job.priority = row.getColumn(i++).getInt();
+  job.owner = row.getColumn(i++).getString();
+  job.key = row.getColumn(i++).getString();
+  job.submitted_ms = row.getColumn(i++).getInt64();
+  job.started_ms = row.getColumn(i++).getInt64();
+  job.ended_ms = row.getColumn(i++).getInt64();
+  job.attempts = row.getColumn(i++).getUInt();
+  job.lost_workers = row.getColumn(i++).getUInt();
+  job.engine_crashes = row.getColumn(i++).getUInt();
+  job.task = row.getColumn(i++).getInt64();
+  job.cancel_requested = row.getColumn(i++).getInt() != 0;
+  job.worker = row.getColumn(i++).getString();
+  job.error = row.getColumn(i++).getString();
+  job.timed_out = row.getColumn(i++).getInt() != 0;
+  job.reused = row.getColumn(i++).getInt() != 0;
+  job.time_limit_s = row.getColumn(i++).getDouble();
+  job.result_sha256 = row.getColumn(i++).getString();
+  job.result_bytes = static_cast<std::uint64_t>(row.getColumn(i++).getInt64());
+  if (row.getColumnCount() > i) {
+    job.scene_bytes = row.getColumn(i++).getString();
+    job.resolved_bytes = row.getColumn(i++).getString();
+  }
+  return job;
+}
+
+}  // namespace
+
+JobTable::JobTable(SQLite::Database& c)
+    : connection_(c),
+      insert_(c, "INSERT INTO job (kind, state, rank, priority, owner, key, scene, resolved, submitted_ms, "
+                 "time_limit_s) VALUES (?, 1, ?, ?, ?, ?, ?, ?, ?, ?)"),
+      insert_tag_(c, "INSERT INTO job_tag (job, name, value) VALUES (?, ?, ?)"),
+      find_(c, "SELECT " + kColumns + ", scene, resolved FROM job WHERE id = ?"),
+      update_(c, "UPDATE job SET state = ?, started_ms = ?, ended_ms = ?, attempts = ?, lost_workers = ?, "
+                 "engine_crashes = ?, task = ?, cancel_requested = ?, worker = ?, error = ?, timed_out = ?, "
+                 "reused = ?, result_sha256 = ?, result_bytes = ? WHERE id = ?"),
+      erase_(c, "DELETE FROM job WHERE id = ?"),
+      waiting_(c, "SELECT " + kColumns + ", scene, resolved FROM job WHERE state = 1 AND "
+                  "(?1 = '' OR instr(?1, ',' || kind || ',')) ORDER BY rank, id LIMIT 1"),
+      complete_(c, "SELECT " + kColumns + " FROM job WHERE state = 3 AND key = ? AND reused = 0 LIMIT 1"),
+      tags_(c, "SELECT name, value FROM job_tag WHERE job = ?"),
+      counts_(c, "SELECT (SELECT count(*) FROM job WHERE state = 1), (SELECT count(*) FROM job WHERE state = 2)") {}
+
+JobId JobTable::insert(const NewJob& job, std::int64_t submitted_ms) {
+  Use row(insert_);
+  row->bind(1, job.kind);
+  row->bind(2, submitted_ms - kPriorityMs * job.priority);
+  row->bind(3, job.priority);
+  row->bind(4, job.owner);
+  row->bind(5, job.key);
+  row->bindNoCopy(6, job.scene_bytes.data(), static_cast<int>(job.scene_bytes.size()));
+  row->bindNoCopy(7, job.resolved_bytes.data(), static_cast<int>(job.resolved_bytes.size()));
+  row->bind(8, submitted_ms);
+  row->bind(9, job.time_limit_s);
+  row->exec();
+  const JobId id = connection_.getLastInsertRowid();
+  for (const auto& [name, value] : job.tags) {
+    Use tag(insert_tag_);
+    tag->bind(1, id);
+    tag->bind(2, name);
+    tag->bind(3, value);
+    tag->exec();
+  }
+  return id;
+}
+
+std::optional<JobRecord> JobTable::one(SQLite::Statement& statement, bool with_tags) {
+  if (!statement.executeStep()) return {};
+  JobRecord job = read_job(statement);
+  if (with_tags) read_tags(job);
+  return job;
+}
+
+void JobTable::read_tags(JobRecord& job) {
+  Use tag(tags_);
+  tag->bind(1, job.id);
+  while (tag->executeStep()) job.tags[tag->getColumn(0).getString()] = tag->getColumn(1).getString();
+}
+
+std::optional<JobRecord> JobTable::find(JobId id) {
+  Use row(find_);
+  row->bind(1, id);
+  return one(find_, true);
+}
+
+std::optional<JobRecord> JobTable::next_waiting(const std::vector<std::string>& kinds) {
+  std::string list;
+  for (const std::string& kind : kinds) list += (list.empty() ? "," : "") + kind + ",";
+  Use row(waiting_);
+  row->bind(1, list);
+  return one(waiting_, false);
+}
+
+std::optional<JobRecord> JobTable::find_complete(const std::string& key) {
+  Use row(complete_);
+  row->bind(1, key);
+  return one(complete_, false);
+}
+
+void JobTable::update(const JobRecord& job) {
+  Use row(update_);
+  int i = 1;
+  row->bind(i++, static_cast<int>(job.state));
+  row->bind(i++, job.started_ms);
+  row->bind(i++, job.ended_ms);
+  row->bind(i++, job.attempts);
+  row->bind(i++, job.lost_workers);
+  row->bind(i++, job.engine_crashes);
+  row->bind(i++, job.task);
+  row->bind(i++, job.cancel_requested ? 1 : 0);
+  row->bind(i++, job.worker);
+  row->bind(i++, job.error);
+  row->bind(i++, job.timed_out ? 1 : 0);
+  row->bind(i++, job.reused ? 1 : 0);
+  row->bind(i++, job.result_sha256);
+  row->bind(i++, static_cast<std::int64_t>(job.result_bytes));
+  row->bind(i++, job.id);
+  row->exec();
+}
+
+void JobTable::erase(JobId id) {
+  Use row(erase_);
+  row->bind(1, id);
+  row->exec();
+}
+
+std::vector<JobRecord> JobTable::list(const ListFilter& filter) {
+  std::string sql = "SELECT " + kColumns + " FROM job WHERE 1";
+  if (filter.before > 0) sql += " AND id < :before";
+  if (filter.state) sql += " AND state = :state";
+  if (!filter.kind.empty()) sql += " AND kind = :kind";
+  for (std::size_t i = 0; i < filter.tags.size(); ++i)
+    sql += " AND EXISTS (SELECT 1 FROM job_tag WHERE job = job.id AND name = :n" + std::to_string(i) +
+           " AND value = :v" + std::to_string(i) + ")";
+  SQLite::Statement row(connection_, sql + " ORDER BY id DESC LIMIT :limit");
+  if (filter.before > 0) row.bind(":before", filter.before);
+  if (filter.state) row.bind(":state", static_cast<int>(*filter.state));
+  if (!filter.kind.empty()) row.bind(":kind", filter.kind);
+  std::size_t i = 0;
+  for (const auto& [name, value] : filter.tags) {
+    row.bind(":n" + std::to_string(i), name);
+    row.bind(":v" + std::to_string(i++), value);
+  }
+  row.bind(":limit", filter.limit);
+  std::vector<JobRecord> jobs;
+  while (row.executeStep()) jobs.push_back(read_job(row));
+  for (JobRecord& job : jobs) read_tags(job);
+  return jobs;
+}
+
+QueueCounts JobTable::counts() {
+  Use row(counts_);
+  row->executeStep();
+  return {static_cast<std::uint64_t>(row->getColumn(0).getInt64()),
+          static_cast<std::uint64_t>(row->getColumn(1).getInt64())};
+}
+
+}  // namespace granary::server

@@ -1,0 +1,125 @@
+#include "server/store/migrations.h"
+
+#include <array>
+#include <stdexcept>
+#include <string>
+
+namespace granary::server {
+namespace {
+
+// rank = submitted_ms - 600000 * priority: ten minutes of waiting outweigh one level of priority.
+constexpr const char* kFirst = R"sql(
+CREATE TABLE job (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  kind TEXT NOT NULL,
+  state INTEGER NOT NULL,
+  rank INTEGER NOT NULL,
+  priority INTEGER NOT NULL,
+  owner TEXT NOT NULL,
+  key TEXT NOT NULL,
+  scene BLOB NOT NULL,
+  resolved BLOB NOT NULL,
+  submitted_ms INTEGER NOT NULL,
+  started_ms INTEGER NOT NULL DEFAULT 0,
+  ended_ms INTEGER NOT NULL DEFAULT 0,
+  attempts INTEGER NOT NULL DEFAULT 0,
+  lost_workers INTEGER NOT NULL DEFAULT 0,
+  engine_crashes INTEGER NOT NULL DEFAULT 0,
+  task INTEGER NOT NULL DEFAULT 0,
+  cancel_requested INTEGER NOT NULL DEFAULT 0,
+  worker TEXT NOT NULL DEFAULT '',
+  error TEXT NOT NULL DEFAULT '',
+  timed_out INTEGER NOT NULL DEFAULT 0,
+  reused INTEGER NOT NULL DEFAULT 0,
+  time_limit_s REAL NOT NULL DEFAULT 0,
+  result_sha256 TEXT NOT NULL DEFAULT '',
+  result_bytes INTEGER NOT NULL DEFAULT 0
+);
+CREATE INDEX job_queue ON job(rank, id) WHERE state = 1;
+CREATE INDEX job_by_state ON job(state, id);
+CREATE INDEX job_by_key ON job(key) WHERE state = 3;
+CREATE INDEX job_by_artifact ON job(result_sha256) WHERE result_sha256 <> '';
+
+CREATE TABLE job_tag (
+  job INTEGER NOT NULL REFERENCES job(id) ON DELETE CASCADE,
+  name TEXT NOT NULL,
+  value TEXT NOT NULL,
+  PRIMARY KEY (job, name)
+) WITHOUT ROWID;
+CREATE INDEX job_tag_by_value ON job_tag(name, value, job);
+
+CREATE TABLE task (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  job INTEGER NOT NULL,
+  worker TEXT NOT NULL,
+  started_ms INTEGER NOT NULL,
+  ended_ms INTEGER NOT NULL DEFAULT 0,
+  outcome TEXT NOT NULL DEFAULT '',
+  message TEXT NOT NULL DEFAULT ''
+);
+CREATE INDEX task_open ON task(id) WHERE ended_ms = 0;
+CREATE INDEX task_by_job ON task(job);
+
+CREATE TABLE result (
+  job INTEGER PRIMARY KEY REFERENCES job(id) ON DELETE CASCADE,
+  message BLOB NOT NULL
+);
+CREATE TABLE job_value (
+  job INTEGER NOT NULL REFERENCES job(id) ON DELETE CASCADE,
+  name TEXT NOT NULL,
+  value REAL,
+  error REAL,
+  unit TEXT NOT NULL,
+  error_basis TEXT NOT NULL,
+  PRIMARY KEY (job, name)
+) WITHOUT ROWID;
+
+CREATE TABLE job_event (
+  job INTEGER NOT NULL REFERENCES job(id) ON DELETE CASCADE,
+  sequence INTEGER NOT NULL,
+  time_ms INTEGER NOT NULL,
+  state INTEGER NOT NULL,
+  message TEXT NOT NULL,
+  PRIMARY KEY (job, sequence)
+) WITHOUT ROWID;
+CREATE TABLE job_log (
+  job INTEGER NOT NULL REFERENCES job(id) ON DELETE CASCADE,
+  line INTEGER NOT NULL,
+  text TEXT NOT NULL,
+  PRIMARY KEY (job, line)
+) WITHOUT ROWID;
+
+CREATE TABLE request (
+  id TEXT PRIMARY KEY,
+  first_job INTEGER NOT NULL,
+  job_count INTEGER NOT NULL,
+  created_ms INTEGER NOT NULL
+) WITHOUT ROWID;
+
+CREATE TABLE server_start (epoch INTEGER PRIMARY KEY AUTOINCREMENT, started TEXT DEFAULT CURRENT_TIMESTAMP);
+)sql";
+
+constexpr std::array<const char*, 1> kMigrations = {kFirst};
+
+int schema_of(SQLite::Database& connection) {
+  return connection.execAndGet("PRAGMA user_version").getInt();
+}
+
+}  // namespace
+
+int newest_schema() { return static_cast<int>(kMigrations.size()); }
+
+void migrate(SQLite::Database& connection) {
+  const int present = schema_of(connection);
+  if (present > newest_schema())
+    throw std::runtime_error("the database has schema " + std::to_string(present) + ", this server knows up to " +
+                             std::to_string(newest_schema()) + ": use the newer granaryd");
+  for (int version = present; version < newest_schema(); ++version) {
+    SQLite::Transaction transaction(connection);
+    connection.exec(kMigrations[static_cast<std::size_t>(version)]);
+    connection.exec("PRAGMA user_version = " + std::to_string(version + 1));
+    transaction.commit();
+  }
+}
+
+}  // namespace granary::server
