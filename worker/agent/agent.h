@@ -1,0 +1,20 @@
+// granary-worker as a service: holds tasks of one server, one engine process per slot.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace granary::agent {
+
+struct AgentConfig {
+  std::string server;               // "unix:PATH" or "HOST:PORT"
+  unsigned slots = 1;
+  std::filesystem::path work_dir;   // made if missing; one folder per running task
+  std::filesystem::path program;    // /proc/self/exe
+};
+
+// Runs until SIGTERM or SIGINT, then drains: engines checkpoint, tasks go back. Returns the exit
+// code: 0 after a drain, 1 when the server refused this worker.
+int run_agent(const AgentConfig& config);
+
+}  // namespace granary::agent
