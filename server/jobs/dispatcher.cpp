@@ -286,6 +286,9 @@ void Dispatcher::tick(Now now) {
       end_execution(std::move(*job), ExecutionEnd::worker_lost, "worker " + lease.worker + " was lost", now);
     else leases_.end(lease.task);
     drop(lease.worker, lease.task);
+    // Silent for a whole lease: a stream that still looks open leads nowhere.
+    if (Worker* worker = registry_.find(lease.worker); worker && worker->link)
+      effects_.push_back([link = std::exchange(worker->link, nullptr)] { link->close(); });
   }
   registry_.forget_older_than(now.steady_ms - kForgetLostWorkerMs);
   fill_slots(now);

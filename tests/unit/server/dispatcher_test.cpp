@@ -1,0 +1,313 @@
+// The queue's promises against a real SQLite file in memory, with a clock made by hand.
+#include "server/jobs/dispatcher.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/store/database.h"
+#include "server/store/sqlite_job_store.h"
+
+namespace granary::server {
+namespace {
+
+using testing::ElementsAre;
+
+class FakeLink : public WorkerLink {
+ public:
+  void send(v1::ServerMessage message) override { sent.push_back(std::move(message)); }
+  void close() override { closed = true; }
+
+  std::vector<std::string> assigned() const {
+    std::vector<std::string> jobs;
+    for (const auto& message : sent)
+      if (message.has_assign()) jobs.push_back(message.assign().job());
+    return jobs;
+  }
+  std::string last_task() const {
+    for (auto message = sent.rbegin(); message != sent.rend(); ++message)
+      if (message->has_assign()) return message->assign().task();
+    return "";
+  }
+  template <typename Has>
+  int count(Has has) const {
+    return static_cast<int>(std::count_if(sent.begin(), sent.end(), has));
+  }
+
+  std::vector<v1::ServerMessage> sent;
+  bool closed = false;
+};
+
+class RecordingWatcher : public Watcher {
+ public:
+  void deliver(const v1::JobEvent& event) override { events.push_back(event); }
+  void finish() override { finished = true; }
+  std::vector<v1::JobState> states() const {
+    std::vector<v1::JobState> out;
+    for (const auto& event : events)
+      if (!event.has_progress()) out.push_back(event.state());
+    return out;
+  }
+  std::vector<v1::JobEvent> events;
+  bool finished = false;
+};
+
+class DispatcherTest : public testing::Test {
+ protected:
+  DispatcherTest() { dispatcher.reload(now); }
+
+  void settle() {
+    for (const auto& effect : dispatcher.take_effects()) effect();
+  }
+  JobId submit(const std::string& key = "k", int priority = 0, bool fresh = true) {
+    NewJob job;
+    job.kind = "discharge";
+    job.key = key;
+    job.priority = priority;
+    job.fresh = fresh;
+    auto ids = dispatcher.submit({{job}, ""}, now);
+    settle();
+    return ids.value()[0];
+  }
+  std::shared_ptr<FakeLink> connect(const std::string& id, unsigned slots = 1,
+                                    const std::vector<std::string>& held = {}) {
+    auto link = std::make_shared<FakeLink>();
+    v1::WorkerHello hello;
+    hello.set_worker_id(id);
+    hello.set_slots(slots);
+    hello.add_kinds("discharge");
+    for (const std::string& task : held) hello.add_held()->set_task(task);
+    dispatcher.worker_connected(hello, link, now);
+    settle();
+    return link;
+  }
+  void finish(const std::string& worker, const std::string& task,
+              v1::TaskFinished::Outcome outcome = v1::TaskFinished::COMPLETE) {
+    v1::TaskFinished message;
+    message.set_task(task);
+    message.set_outcome(outcome);
+    message.mutable_artifact()->set_sha256("from " + worker);
+    message.mutable_result()->set_kind("discharge");
+    dispatcher.task_finished(worker, message, now);
+    settle();
+  }
+  void pass(std::int64_t ms) {
+    now.wall_ms += ms;
+    now.steady_ms += ms;
+    dispatcher.tick(now);
+    settle();
+  }
+  v1::JobState state(JobId id) { return dispatcher.find(id)->state; }
+
+  Now now{1'700'000'000'000, 1000};
+  Database database{":memory:"};
+  SqliteJobStore store{database.connection()};
+  Dispatcher dispatcher{store, {100}};
+};
+
+TEST_F(DispatcherTest, gives_waiting_jobs_to_free_slots_in_order) {
+  const JobId first = submit(), second = submit(), third = submit();
+  auto link = connect("a", 2);
+  EXPECT_THAT(link->assigned(), ElementsAre(job_name(first), job_name(second)));
+  finish("a", link->last_task());
+  EXPECT_EQ(state(second), v1::COMPLETE);
+  EXPECT_THAT(link->assigned().back(), job_name(third));
+}
+
+TEST_F(DispatcherTest, priority_goes_first_but_ages) {
+  const JobId old_job = submit();
+  now.wall_ms += 11 * 60'000;  // eleven minutes outweigh one level
+  submit("k", 1);
+  const JobId urgent = submit("k", 5);
+  auto link = connect("a", 2);
+  EXPECT_THAT(link->assigned(), ElementsAre(job_name(urgent), job_name(old_job)));
+}
+
+TEST_F(DispatcherTest, a_lost_worker_s_job_goes_to_another_and_ends_once) {
+  const JobId job = submit();
+  auto a = connect("a");
+  const std::string zombie_task = a->last_task();
+  auto b = connect("b");
+  dispatcher.worker_disconnected("a", a.get(), now);
+  pass(kReconnectMs - 1);
+  EXPECT_TRUE(b->assigned().empty());
+  pass(1);
+  ASSERT_THAT(b->assigned(), ElementsAre(job_name(job)));
+  finish("b", b->last_task());
+  EXPECT_EQ(state(job), v1::COMPLETE);
+  // The zombie comes back and delivers: acknowledged, so that it forgets, but not stored.
+  auto again = connect("a", 1, {zombie_task});
+  finish("a", zombie_task);
+  EXPECT_EQ(dispatcher.find(job)->result_sha256, "from b");
+  EXPECT_EQ(again->count([](const auto& m) { return m.has_acknowledged(); }), 1);
+  EXPECT_EQ(again->count([](const auto& m) { return m.has_drop(); }), 1);
+}
+
+TEST_F(DispatcherTest, a_worker_that_comes_back_in_time_keeps_its_task) {
+  const JobId job = submit();
+  auto a = connect("a");
+  const std::string task = a->last_task();
+  dispatcher.worker_disconnected("a", a.get(), now);
+  pass(kReconnectMs / 2);
+  connect("a", 1, {task});
+  pass(kReconnectMs);
+  EXPECT_EQ(state(job), v1::RUNNING);
+  finish("a", task);
+  EXPECT_EQ(state(job), v1::COMPLETE);
+  EXPECT_EQ(dispatcher.find(job)->attempts, 1u);
+}
+
+TEST_F(DispatcherTest, an_assignment_that_never_arrived_is_given_again) {
+  const JobId job = submit();
+  connect("a");
+  auto again = connect("a", 1, {});  // reconnects knowing nothing of the task
+  EXPECT_THAT(again->assigned(), ElementsAre(job_name(job)));
+  EXPECT_EQ(dispatcher.find(job)->attempts, 2u);
+}
+
+TEST_F(DispatcherTest, a_result_told_twice_is_stored_once) {
+  const JobId job = submit();
+  auto a = connect("a");
+  const std::string task = a->last_task();
+  finish("a", task);
+  finish("a", task);
+  EXPECT_EQ(state(job), v1::COMPLETE);
+  EXPECT_EQ(a->count([](const auto& m) { return m.has_acknowledged(); }), 2);
+}
+
+TEST_F(DispatcherTest, a_restarted_server_waits_for_its_workers) {
+  const JobId job = submit();
+  auto a = connect("a");
+  const std::string task = a->last_task();
+  Dispatcher restarted(store, {100});
+  restarted.reload(now);
+  pass(0);
+  v1::WorkerHello hello;
+  hello.set_worker_id("a");
+  hello.set_slots(1);
+  hello.add_held()->set_task(task);
+  restarted.worker_connected(hello, std::make_shared<FakeLink>(), now);
+  now.steady_ms += kLeaseMs - 1;
+  restarted.tick(now);
+  EXPECT_EQ(restarted.find(job)->state, v1::RUNNING);
+  v1::TaskFinished finished;
+  finished.set_task(task);
+  finished.set_outcome(v1::TaskFinished::COMPLETE);
+  restarted.task_finished("a", finished, now);
+  EXPECT_EQ(restarted.find(job)->state, v1::COMPLETE);
+}
+
+TEST_F(DispatcherTest, the_wall_clock_may_jump) {
+  const JobId job = submit();
+  connect("a");
+  now.wall_ms += 86'400'000;
+  dispatcher.tick(now);
+  EXPECT_EQ(state(job), v1::RUNNING);
+  now.wall_ms -= 2 * 86'400'000;
+  now.steady_ms += kLeaseMs;
+  dispatcher.tick(now);
+  EXPECT_EQ(state(job), v1::WAITING);
+}
+
+TEST_F(DispatcherTest, cancel_reaches_a_running_engine_and_a_waiting_job) {
+  const JobId running = submit(), waiting = submit();
+  auto a = connect("a");
+  ASSERT_TRUE(dispatcher.cancel(waiting, now).ok());
+  EXPECT_EQ(state(waiting), v1::CANCELLED);
+  ASSERT_TRUE(dispatcher.cancel(running, now).ok());
+  settle();
+  EXPECT_EQ(a->count([](const auto& m) { return m.has_cancel(); }), 1);
+  EXPECT_EQ(state(running), v1::RUNNING);  // until its engine has stopped
+  finish("a", a->last_task(), v1::TaskFinished::CANCELLED);
+  EXPECT_EQ(state(running), v1::CANCELLED);
+}
+
+TEST_F(DispatcherTest, the_same_request_id_makes_the_same_jobs) {
+  NewJob job;
+  job.kind = "discharge";
+  const Submission submission{{job, job}, "request-1"};
+  const auto first = dispatcher.submit(submission, now);
+  const auto again = dispatcher.submit(submission, now);
+  EXPECT_EQ(*first, *again);
+  EXPECT_EQ(dispatcher.counts().waiting, 2u);
+}
+
+TEST_F(DispatcherTest, a_full_queue_refuses_the_whole_batch) {
+  Submission submission;
+  submission.jobs.resize(101);
+  EXPECT_EQ(dispatcher.submit(submission, now).error().code, ErrorCode::resource_exhausted);
+  EXPECT_EQ(dispatcher.counts().waiting, 0u);
+}
+
+TEST_F(DispatcherTest, a_repeated_job_gets_the_stored_result_unless_fresh) {
+  submit("same");
+  auto a = connect("a");
+  finish("a", a->last_task());
+  const JobId reused = submit("same", 0, false);
+  EXPECT_EQ(state(reused), v1::COMPLETE);
+  EXPECT_TRUE(dispatcher.find(reused)->reused);
+  EXPECT_EQ(dispatcher.find(reused)->result_sha256, "from a");
+  const JobId fresh = submit("same", 0, true);
+  EXPECT_EQ(state(fresh), v1::RUNNING);
+}
+
+TEST_F(DispatcherTest, a_watcher_sees_each_state_once_and_resumes_behind_a_sequence) {
+  const JobId job = submit();
+  auto watcher = std::make_shared<RecordingWatcher>();
+  ASSERT_TRUE(dispatcher.watch(job, 0, watcher).ok());
+  settle();
+  auto a = connect("a");
+  v1::TaskProgress progress;
+  progress.set_task(a->last_task());
+  progress.mutable_progress()->set_fraction(0.5);
+  dispatcher.task_progress("a", progress, now);
+  auto late = std::make_shared<RecordingWatcher>();
+  ASSERT_TRUE(dispatcher.watch(job, watcher->events.back().sequence() - 1, late).ok());
+  settle();
+  finish("a", a->last_task());
+  EXPECT_THAT(watcher->states(), ElementsAre(v1::WAITING, v1::RUNNING, v1::COMPLETE));
+  EXPECT_TRUE(watcher->finished);
+  EXPECT_THAT(late->states(), ElementsAre(v1::COMPLETE));  // RUNNING lies before the sequence
+  std::uint64_t last = 0;
+  for (const auto& event : watcher->events) {
+    EXPECT_GT(event.sequence(), last);
+    last = event.sequence();
+  }
+  auto after_the_end = std::make_shared<RecordingWatcher>();
+  ASSERT_TRUE(dispatcher.watch(job, 0, after_the_end).ok());
+  settle();
+  EXPECT_EQ(after_the_end->states().size(), 3u);
+  EXPECT_TRUE(after_the_end->finished);
+}
+
+TEST_F(DispatcherTest, sequences_grow_over_a_restart) {
+  const JobId job = submit();
+  const auto before = store.events_after(job, 0).back().sequence;
+  Dispatcher restarted(store, {100});
+  restarted.reload(now);
+  ASSERT_TRUE(restarted.cancel(job, now).ok());
+  EXPECT_GT(store.events_after(job, 0).back().sequence, before);
+}
+
+TEST_F(DispatcherTest, only_ended_jobs_can_be_deleted_or_retried) {
+  const JobId job = submit();
+  EXPECT_EQ(dispatcher.remove(job).error().code, ErrorCode::failed_precondition);
+  EXPECT_EQ(dispatcher.retry(job, now).error().code, ErrorCode::failed_precondition);
+  ASSERT_TRUE(dispatcher.cancel(job, now).ok());
+  EXPECT_TRUE(dispatcher.retry(job, now).ok());
+  EXPECT_EQ(state(job), v1::WAITING);
+  ASSERT_TRUE(dispatcher.cancel(job, now).ok());
+  EXPECT_TRUE(dispatcher.remove(job).ok());
+  EXPECT_EQ(dispatcher.find(job).error().code, ErrorCode::not_found);
+}
+
+TEST_F(DispatcherTest, a_draining_worker_gets_nothing_new) {
+  auto a = connect("a", 4);
+  v1::WorkerHeartbeat heartbeat;
+  heartbeat.set_draining(true);
+  dispatcher.heartbeat("a", heartbeat, now);
+  submit();
+  EXPECT_TRUE(a->assigned().empty());
+}
+
+}  // namespace
+}  // namespace granary::server

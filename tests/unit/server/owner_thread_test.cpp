@@ -1,0 +1,86 @@
+#include "server/store/owner_thread.h"
+
+#include <gtest/gtest.h>
+
+#include <future>
+#include <string>
+
+namespace granary::server {
+namespace {
+
+class FakeTransactions : public TransactionControl {
+ public:
+  void begin() override { log += "b"; }
+  void commit() override {
+    if (fail_commits) throw std::runtime_error("disk full");
+    log += "c";
+  }
+  void rollback() override { log += "r"; }
+  void savepoint() override {}
+  void release_savepoint() override { log += "+"; }
+  void rollback_to_savepoint() override { log += "-"; }
+
+  std::atomic<bool> fail_commits = false;
+  std::string log;  // owner thread
+};
+
+Status ask(OwnerThread& owner, OwnerThread::Work work) {
+  std::promise<Status> answer;
+  owner.post(std::move(work), [&](const Status& status) { answer.set_value(status); });
+  return answer.get_future().get();
+}
+
+TEST(OwnerThread, replies_after_the_commit) {
+  FakeTransactions database;
+  OwnerThread owner(database, {});
+  std::string at_reply;
+  std::promise<void> done;
+  owner.post([] {}, [&](const Status&) {
+    at_reply = database.log;
+    done.set_value();
+  });
+  done.get_future().wait();
+  EXPECT_EQ(at_reply.back(), 'c');
+}
+
+TEST(OwnerThread, a_throwing_request_is_undone_alone) {
+  FakeTransactions database;
+  OwnerThread owner(database, {});
+  EXPECT_EQ(ask(owner, [] { throw std::runtime_error("constraint"); }).error().code, ErrorCode::internal);
+  EXPECT_TRUE(ask(owner, [] {}).ok());
+  owner.stop();
+  EXPECT_NE(database.log.find('-'), std::string::npos);
+  EXPECT_NE(database.log.find('+'), std::string::npos);
+}
+
+TEST(OwnerThread, a_failed_commit_fails_every_request_and_drops_effects) {
+  FakeTransactions database;
+  int effects = 0, rebuilds = 0;
+  OwnerThread::Hooks hooks;
+  hooks.after_commit = [&] { ++effects; };
+  hooks.after_failed_commit = [&] { ++rebuilds; };
+  hooks.tick_ms = 1'000'000;
+  OwnerThread owner(database, hooks);
+  ASSERT_TRUE(ask(owner, [] {}).ok());
+  const int before = effects;
+  database.fail_commits = true;
+  EXPECT_EQ(ask(owner, [] {}).error().code, ErrorCode::unavailable);
+  EXPECT_EQ(effects, before);
+  EXPECT_GE(rebuilds, 1);
+  database.fail_commits = false;
+  EXPECT_TRUE(ask(owner, [] {}).ok());
+}
+
+TEST(OwnerThread, answers_unavailable_after_stop_and_finishes_what_was_posted) {
+  FakeTransactions database;
+  OwnerThread owner(database, {});
+  int ran = 0;
+  for (int i = 0; i < 100; ++i) owner.post([&] { ++ran; }, nullptr);
+  owner.stop();
+  EXPECT_EQ(ran, 100);
+  EXPECT_EQ(ask(owner, [&] { ++ran; }).error().code, ErrorCode::unavailable);
+  EXPECT_EQ(ran, 100);
+}
+
+}  // namespace
+}  // namespace granary::server
