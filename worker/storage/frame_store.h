@@ -1,0 +1,48 @@
+// The frames of one run in its directory: sealed segments and at most one that is being written. A
+// segment is sealed when a checkpoint is taken, so the checkpoint's list names exactly the frames
+// that lie before it, and a resumed run drops whatever came later and computes it again.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "worker/storage/segment.h"
+
+namespace granary::storage {
+
+using FrameVisitor = std::function<void(const Frame&)>;
+
+class FrameStore {
+ public:
+  FrameStore(FileSystem& files, Path directory, RunIdentity identity);
+
+  void append(const FrameView& frame);
+  // Seals the open segment, if any; afterwards everything appended so far is durable.
+  const std::vector<SegmentInfo>& seal();
+  // Goes back to the listed segments and deletes all others. StorageError(damaged) when one of
+  // them is missing or its checksum is wrong.
+  void restore(std::vector<SegmentInfo> segments);
+  // All frames in order, the open segment's included. StorageError(damaged) on a torn record.
+  void for_each(const FrameVisitor& visit);
+  // Deletes every segment in the directory.
+  void clear();
+
+ private:
+  std::uint32_t next_index() const;
+  void visit_segment(const std::string& name, const FrameVisitor& visit);
+
+  FileSystem& files_;
+  Path directory_;
+  RunIdentity identity_;
+  std::vector<SegmentInfo> sealed_;
+  std::optional<SegmentWriter> writer_;
+};
+
+// What can still be read of a run that was never resumed: every intact frame of every segment in
+// the directory, in order. Returns how many there were.
+std::uint64_t salvage_frames(FileSystem& files, const Path& directory, const RunIdentity& identity,
+                             const FrameVisitor& visit);
+
+}  // namespace granary::storage
