@@ -39,7 +39,7 @@ struct AdvanceOutcome {
 struct SimulationProgress {
   double fraction = 0;  // 0..1 of the whole run, filling included
   std::string phase;
-  double time_s = 0;  // simulated, of the main phase; negative or own clock during filling
+  double time_s = 0;  // simulated, of the main phase; negative during filling
   double end_time_s = 0;
   std::uint64_t steps = 0;           // all phases
   std::uint64_t particle_steps = 0;  // free particles only

@@ -87,7 +87,7 @@ Bytes encode(const Checkpoint& checkpoint) {
   ByteWriter(bytes).put_bytes(std::as_bytes(std::span(kMagic)));
   put_section(bytes, tag("IDEN"), [&](Bytes& out) { encode_identity(out, checkpoint.identity); });
   put_section(bytes, tag("SEGM"), [&](Bytes& out) { encode_segments(out, checkpoint.segments); });
-  put_section(bytes, tag("RUNS"), [&](Bytes& out) { encode_state(out, checkpoint.run); });
+  put_section(bytes, tag("RUNS"), [&](Bytes& out) { ByteWriter(out).put_bytes(checkpoint.run); });
   put_section(bytes, tag("ENGI"), [&](Bytes& out) { encode_state(out, checkpoint.engine); });
   const std::uint64_t checksum = xxh3(bytes);
   put_section(bytes, tag("CSUM"), [&](Bytes& out) { ByteWriter(out).put(checksum); });
@@ -129,8 +129,7 @@ Checkpoint read_checkpoint_file(FileSystem& files, const Path& path, const RunId
     throw StorageError(StorageFault::foreign,
                        path.string() + " belongs to another scene, engine version or vector path");
   checkpoint.segments = decode_segments(take_section(in, tag("SEGM")));
-  ByteReader run = take_section(in, tag("RUNS"));
-  checkpoint.run.columns = decode_columns(run);
+  checkpoint.run = take_section(in, tag("RUNS")).rest();
   ByteReader engine = take_section(in, tag("ENGI"));
   checkpoint.engine.columns = decode_columns(engine);
   return checkpoint;

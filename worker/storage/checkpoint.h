@@ -5,8 +5,8 @@
 //   section  := u32 tag, u32 0, u64 payload bytes, payload
 //   "IDEN"   := text scene key, text engine version, text vector path
 //   "SEGM"   := u32 count, (text name, u32 index, u64 first frame, u64 frames, u64 bytes, u64 XXH3) *
-//   "RUNS"   := columns of the run layer (column_codec.h; text = u32 length, bytes)
-//   "ENGI"   := columns of the engine
+//   "RUNS"   := bytes of the run layer (worker/run/run_record.cpp)
+//   "ENGI"   := columns of the engine (column_codec.h; text = u32 length, bytes)
 //
 // In a run's directory the newest is `checkpoint`, the one before it `checkpoint.previous`: the old
 // one is never touched before the new one is durable.
@@ -27,7 +27,7 @@ namespace granary::storage {
 struct Checkpoint {
   RunIdentity identity;
   std::vector<SegmentInfo> segments;
-  core::State run;
+  Bytes run;  // opaque here
   core::State engine;
 };
 

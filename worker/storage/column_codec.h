@@ -54,7 +54,7 @@ class ByteReader {
   }
   std::string get_text();
   std::span<const std::byte> take(std::uint64_t byte_count);
-  bool at_end() const { return bytes_.empty(); }
+  Bytes rest() const { return {bytes_.begin(), bytes_.end()}; }
 
  private:
   std::span<const std::byte> bytes_;

@@ -132,10 +132,14 @@ FileSystem& real_file_system() {
 
 void write_atomically(FileSystem& files, const Path& path, std::span<const std::byte> bytes) {
   const Path temporary = path.string() + ".tmp";
-  auto file = files.create(temporary);
-  file->append(bytes);
-  file->sync();
-  file.reset();
+  try {
+    auto file = files.create(temporary);
+    file->append(bytes);
+    file->sync();
+  } catch (const StorageError&) {
+    files.remove(temporary);  // on a full disk its space is the first to be given back
+    throw;
+  }
   files.rename(temporary, path);
   files.sync_directory(directory_of(path));
 }

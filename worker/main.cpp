@@ -1,0 +1,85 @@
+// granary-worker: wiring only. Runs one scene without a server (--scene), checks a result file
+// (--verify), or is the engine process of a worker (--engine, started by worker/agent).
+#include <CLI/CLI.hpp>
+
+#include <iostream>
+#include <stdexcept>
+
+#include "proto/contract/result.h"
+#include "proto/contract/version.h"
+#include "worker/run/console.h"
+#include "worker/run/engine_process.h"
+
+namespace {
+
+using namespace granary;
+
+std::unique_ptr<core::Simulation> make_engine(const v1::Scene&, const core::State*) {
+  throw std::runtime_error("no engine is built into this program");
+}
+
+run::EngineBuild engine_build() { return {make_engine, "portable"}; }
+
+std::pair<std::string, std::string> split_setting(const std::string& text) {
+  const std::size_t at = text.find('=');
+  if (at == std::string::npos || at == 0)
+    throw CLI::ValidationError("--set", "'" + text + "' is not path=value");
+  return {text.substr(0, at), text.substr(at + 1)};
+}
+
+struct Options {
+  run::ConsoleOptions console;
+  std::vector<std::string> settings;
+  std::string format = "table";
+  std::string verify_file;
+  std::string engine_directory;
+  int parent = 0;
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.set_version_flag("--version", std::string("granary-worker ") + kProductVersion + ", engine " +
+                                        kEngineVersion);
+  app.add_option("--scene", options.console.scene_file, "run this scene without a server; - = stdin");
+  app.add_option("--set", options.settings, "path=value: change one field of the scene (repeatable)")
+      ->allow_extra_args(false);
+  app.add_option("-o,--output", options.console.output_file, "HDF5 result file");
+  app.add_option("--format", options.format, "of the values on stdout")
+      ->check(CLI::IsMember({"table", "json"}))
+      ->capture_default_str();
+  app.add_option("--threads", options.console.threads, "threads of the engine; never changes a result")
+      ->check(CLI::Range(1, 256));
+  app.add_flag("--profile", options.console.profile, "seconds per phase of a time step, on stderr");
+  app.add_flag("-q,--quiet", options.console.quiet, "no progress");
+  app.add_option("--verify", options.verify_file, "check a result file");
+  app.add_option("--engine", options.engine_directory)->group("");
+  app.add_option("--parent", options.parent)->group("");
+  app.footer("Example: granary-worker --scene tests/scenes/discharge_small.txtpb --set seed=2 -o small.h5");
+}
+
+int run_program(Options& options) {
+  if (!options.engine_directory.empty())
+    return run::run_engine_process(options.engine_directory, options.parent, engine_build());
+  if (!options.verify_file.empty()) return run::verify_console(options.verify_file);
+  if (options.console.scene_file.empty()) {
+    std::cerr << "granary-worker: --scene FILE is missing (see --help)\n";
+    return static_cast<int>(ExitCode::usage);
+  }
+  options.console.json = options.format == "json";
+  return run::run_console(options.console, engine_build());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("granary-worker: the engines of Granary");
+  Options options;
+  declare(app, options);
+  try {
+    app.parse(argc, argv);
+    for (const std::string& text : options.settings)
+      options.console.settings.push_back(split_setting(text));
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::usage);
+  }
+  return run_program(options);
+}

@@ -1,0 +1,102 @@
+#include "worker/run/run_storage.h"
+
+#include "proto/contract/scene_text.h"
+#include "worker/storage/result_writer.h"
+#include "worker/storage/storage_error.h"
+
+namespace granary::run {
+namespace {
+
+// Besides the physics, the output settings decide which frames a run stores.
+storage::RunIdentity identity_of(const TaskSpec& spec) {
+  v1::Scene output_only;
+  *output_only.mutable_output() = spec.scene.output();
+  return {spec.scene_key + '\n' + scene_to_text(output_only), spec.engine_version, spec.vector_path};
+}
+
+storage::RunIdentity filling_identity(const TaskSpec& spec) {
+  return {"filling " + spec.filling_key, spec.engine_version, spec.vector_path};
+}
+
+}  // namespace
+
+RunStorage::RunStorage(storage::FileSystem& files, const TaskSpec& spec, Log log)
+    : files_(files), active_(!spec.result_path.empty()), result_path_(spec.result_path),
+      directory_(spec.work_directory), identity_(identity_of(spec)),
+      frames_(files, directory_, identity_), log_(std::move(log)) {
+  if (active_) files_.create_directory(directory_);
+}
+
+std::optional<RunStorage::Resumed> RunStorage::resume() {
+  if (!active_) return std::nullopt;
+  Resumed resumed;
+  auto checkpoint = storage::load_checkpoint(
+      files_, directory_, identity_,
+      [&](const storage::Checkpoint& candidate) {
+        resumed.record = decode_record(candidate.run);
+        frames_.restore(candidate.segments);
+      },
+      [&](const std::string& reason) { log_("checkpoint passed over: " + reason); });
+  if (!checkpoint) {
+    start_over();
+    return std::nullopt;
+  }
+  resumed.engine = std::move(checkpoint->engine);
+  return resumed;
+}
+
+void RunStorage::start_over() {
+  if (!active_) return;
+  storage::remove_checkpoints(files_, directory_);
+  frames_.clear();
+}
+
+void RunStorage::append_frame(const storage::FrameView& frame) {
+  if (active_) frames_.append(frame);
+}
+
+void RunStorage::save(const RunRecord& record, core::State engine) {
+  if (!active_) return;
+  const auto& segments = frames_.seal();
+  try {
+    storage::save_checkpoint(files_, directory_,
+                             {identity_, segments, encode(record), std::move(engine)});
+  } catch (const storage::StorageError& error) {
+    log_(std::string("checkpoint not written, going on: ") + error.what());
+  }
+}
+
+v1::Artifact RunStorage::publish(const storage::ResultContent& content) {
+  storage::ResultWriter writer(files_, result_path_);
+  frames_.for_each([&](const storage::Frame& frame) { writer.add_frame(frame); });
+  writer.add_content(content);
+  const storage::FileDigest digest = writer.commit();
+  v1::Artifact artifact;
+  artifact.set_sha256(digest.sha256);
+  artifact.set_size_bytes(digest.size_bytes);
+  return artifact;
+}
+
+std::optional<StoredFilling> load_filling(storage::FileSystem& files, const TaskSpec& spec,
+                                          const Log& log) {
+  if (spec.filling_key.empty() || spec.filling_input.empty()) return std::nullopt;
+  if (!files.exists(spec.filling_input)) return std::nullopt;
+  try {
+    auto file = storage::read_checkpoint_file(files, spec.filling_input, filling_identity(spec));
+    storage::ByteReader seconds(file.run);
+    return StoredFilling{std::move(file.engine), seconds.get<double>()};
+  } catch (const storage::StorageError& error) {
+    log(std::string("stored filling not used: ") + error.what());
+    return std::nullopt;
+  }
+}
+
+void save_filling(storage::FileSystem& files, const TaskSpec& spec, const StoredFilling& filling) {
+  storage::Checkpoint file;
+  file.identity = filling_identity(spec);
+  file.engine = filling.state;
+  storage::ByteWriter(file.run).put(filling.cpu_s);
+  storage::write_checkpoint_file(files, spec.filling_output, file);
+}
+
+}  // namespace granary::run
