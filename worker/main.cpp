@@ -1,5 +1,5 @@
 // granary-worker: wiring only. Runs one scene without a server (--scene), checks a result file
-// (--verify), or is the engine process of a worker (--engine, started by worker/agent).
+// (--verify), saves the frames of an abandoned run (--salvage), or is the engine process of a worker (--engine, started by worker/agent).
 #include <CLI/CLI.hpp>
 
 #include <iostream>
@@ -32,6 +32,7 @@ struct Options {
   std::vector<std::string> settings;
   std::string format = "table";
   std::string verify_file;
+  std::string salvage_directory;
   std::string engine_directory;
   int parent = 0;
 };
@@ -51,6 +52,9 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag("--profile", options.console.profile, "seconds per phase of a time step, on stderr");
   app.add_flag("-q,--quiet", options.console.quiet, "no progress");
   app.add_option("--verify", options.verify_file, "check a result file");
+  app.add_option("--salvage", options.salvage_directory,
+                 "make a result file (-o) of the frames in the .parts of an unfinished run")
+      ->needs("--output");
   app.add_option("--engine", options.engine_directory)->group("");
   app.add_option("--parent", options.parent)->group("");
   app.footer("Example: granary-worker --scene tests/scenes/discharge_small.txtpb --set seed=2 -o small.h5");
@@ -60,6 +64,8 @@ int run_program(Options& options) {
   if (!options.engine_directory.empty())
     return run::run_engine_process(options.engine_directory, options.parent, engine_build());
   if (!options.verify_file.empty()) return run::verify_console(options.verify_file);
+  if (!options.salvage_directory.empty())
+    return run::salvage_console(options.salvage_directory, options.console.output_file);
   if (options.console.scene_file.empty()) {
     std::cerr << "granary-worker: --scene FILE is missing (see --help)\n";
     return static_cast<int>(ExitCode::usage);

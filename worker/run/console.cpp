@@ -14,6 +14,8 @@
 #include "worker/run/progress_line.h"
 #include "worker/run/run_task.h"
 #include "worker/run/stop_signals.h"
+#include "worker/storage/salvage.h"
+#include "worker/storage/storage_error.h"
 #include "worker/storage/verify.h"
 
 namespace granary::run {
@@ -153,6 +155,20 @@ int verify_console(const std::string& file) {
   std::cout << file << ": " << report.dataset_count << " datasets, " << report.frame_count
             << " frames, " << report.data_bytes << " bytes of data, all intact\n";
   return 0;
+}
+
+int salvage_console(const std::string& directory, const std::string& output_file) {
+  try {
+    const std::uint64_t frame_count =
+        storage::salvage_run(storage::real_file_system(), directory, output_file);
+    std::cout << output_file << ": " << frame_count << " frames\n";
+    return 0;
+  } catch (const storage::StorageError& error) {
+    std::cerr << "granary-worker: " << error.what() << '\n';
+    return static_cast<int>(error.fault() == storage::StorageFault::missing
+                                ? ExitCode::not_found
+                                : ExitCode::verification_failed);
+  }
 }
 
 }  // namespace granary::run

@@ -28,4 +28,7 @@ int run_console(const ConsoleOptions& options, const EngineBuild& build);
 // `granary-worker --verify FILE`: what is wrong with it on stderr, exit code 0 or 9.
 int verify_console(const std::string& file);
 
+// `granary-worker --salvage DIR -o FILE`: keeps the frames of a run that nobody will resume.
+int salvage_console(const std::string& directory, const std::string& output_file);
+
 }  // namespace granary::run

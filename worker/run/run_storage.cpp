@@ -23,7 +23,7 @@ storage::RunIdentity filling_identity(const TaskSpec& spec) {
 RunStorage::RunStorage(storage::FileSystem& files, const TaskSpec& spec, Log log)
     : files_(files), active_(!spec.result_path.empty()), result_path_(spec.result_path),
       directory_(spec.work_directory), identity_(identity_of(spec)),
-      frames_(files, directory_, identity_), log_(std::move(log)) {
+      frames_(files, directory_, identity_, scene_to_text(spec.scene)), log_(std::move(log)) {
   if (active_) files_.create_directory(directory_);
 }
 

@@ -363,7 +363,7 @@ TaskOutcome run_task(const TaskSpec& spec, const SimulationFactory& factory,
 
 void remove_run_files(storage::FileSystem& files, const storage::Path& work_directory) {
   storage::remove_checkpoints(files, work_directory);
-  storage::FrameStore(files, work_directory, {}).clear();
+  storage::FrameStore(files, work_directory, {}, {}).clear();
 }
 
 }  // namespace granary::run

@@ -16,7 +16,7 @@ using FrameVisitor = std::function<void(const Frame&)>;
 
 class FrameStore {
  public:
-  FrameStore(FileSystem& files, Path directory, RunIdentity identity);
+  FrameStore(FileSystem& files, Path directory, RunIdentity identity, std::string scene_text);
 
   void append(const FrameView& frame);
   // Seals the open segment, if any; afterwards everything appended so far is durable.
@@ -24,7 +24,8 @@ class FrameStore {
   // Goes back to the listed segments and deletes all others. StorageError(damaged) when one of
   // them is missing or its checksum is wrong.
   void restore(std::vector<SegmentInfo> segments);
-  // All frames in order, the open segment's included. StorageError(damaged) on a torn record.
+  // All frames in order, the open segment's included. StorageError: damaged on a torn record,
+  // foreign on a segment of another run.
   void for_each(const FrameVisitor& visit);
   // Deletes every segment in the directory.
   void clear();
@@ -36,13 +37,12 @@ class FrameStore {
   FileSystem& files_;
   Path directory_;
   RunIdentity identity_;
+  std::string scene_text_;
   std::vector<SegmentInfo> sealed_;
   std::optional<SegmentWriter> writer_;
 };
 
-// What can still be read of a run that was never resumed: every intact frame of every segment in
-// the directory, in order. Returns how many there were.
-std::uint64_t salvage_frames(FileSystem& files, const Path& directory, const RunIdentity& identity,
-                             const FrameVisitor& visit);
+// True for names of segments, sealed or open.
+bool is_segment_name(const std::string& name);
 
 }  // namespace granary::storage

@@ -51,12 +51,12 @@ struct ProvenanceContent {
 
 struct ResultContent {
   std::string kind;   // "discharge" or "chute"
-  std::string state;  // "complete" or "unstable"
-  std::string message;  // why it is unstable; empty when complete
+  std::string state;  // "complete", "unstable" or "partial"
+  std::string message;  // why it is not complete
   std::string scene_text;  // resolved scene, protobuf text format
   core::Observation observation;
   std::vector<ReplicateContent> replicates;  // empty for a single run
-  core::EnergyLedger ledger;
+  std::optional<core::EnergyLedger> ledger;  // unknown for partial results
   std::vector<EffectContent> effects;
   ProvenanceContent provenance;
 };

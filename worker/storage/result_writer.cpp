@@ -175,7 +175,7 @@ void ResultWriter::add_content(const ResultContent& content) {
   write_replicates(file, content.replicates);
   write_tables(file, "/series", content.observation.series);
   write_tables(file, "/fields", content.observation.fields);
-  write_ledger(file, content.ledger);
+  if (content.ledger) write_ledger(file, *content.ledger);
   write_effects(file, content);
   write_provenance(file, content.provenance);
 }

@@ -9,39 +9,30 @@ namespace granary::storage {
 namespace {
 
 constexpr std::array<char, 8> kMagic = {'G', 'R', 'N', 'S', 'E', 'G', '1', '\n'};
-constexpr std::uint32_t kRecordMagic = 0x4d415246;  // "FRAM"
-constexpr std::size_t kHeaderBytes = 40;
+constexpr std::uint32_t kRecordMagic = 0x44434552;  // "RECD"
 constexpr std::size_t kRecordHeaderBytes = 24;
 constexpr std::size_t kReadBufferBytes = 1 << 20;
 
-std::uint64_t identity_hash(const RunIdentity& identity) {
-  const std::string text = identity.text();
-  return xxh3(std::as_bytes(std::span(text)));
+void encode_about(Bytes& out, const SegmentAbout& about) {
+  ByteWriter writer(out);
+  writer.put(about.index);
+  writer.put(about.first_frame);
+  writer.put_text(about.identity.scene_key);
+  writer.put_text(about.identity.engine_version);
+  writer.put_text(about.identity.vector_path);
+  writer.put_text(about.scene_text);
 }
 
-Bytes encode_header(const SegmentInfo& info, const RunIdentity& identity) {
-  Bytes bytes;
-  ByteWriter writer(bytes);
-  writer.put_bytes(std::as_bytes(std::span(kMagic)));
-  writer.put(info.index);
-  writer.put(std::uint32_t{0});
-  writer.put(info.first_frame);
-  writer.put(identity_hash(identity));
-  writer.put(xxh3(bytes));
-  return bytes;
-}
-
-void check_header(std::span<const std::byte> bytes, const Path& path, const RunIdentity& identity) {
-  ByteReader reader(bytes);
-  const auto protected_bytes = bytes.first(kHeaderBytes - sizeof(std::uint64_t));
-  const auto magic = reader.take(kMagic.size());
-  reader.take(2 * sizeof(std::uint32_t) + sizeof(std::uint64_t));
-  const auto hash = reader.get<std::uint64_t>();
-  if (std::memcmp(magic.data(), kMagic.data(), kMagic.size()) != 0 ||
-      reader.get<std::uint64_t>() != xxh3(protected_bytes))
-    throw StorageError(StorageFault::damaged, path.string() + " is no intact segment");
-  if (hash != identity_hash(identity))
-    throw StorageError(StorageFault::foreign, path.string() + " belongs to another run");
+SegmentAbout decode_about(std::span<const std::byte> payload) {
+  ByteReader reader(payload);
+  SegmentAbout about;
+  about.index = reader.get<std::uint32_t>();
+  about.first_frame = reader.get<std::uint64_t>();
+  about.identity.scene_key = reader.get_text();
+  about.identity.engine_version = reader.get_text();
+  about.identity.vector_path = reader.get_text();
+  about.scene_text = reader.get_text();
+  return about;
 }
 
 Frame decode_frame(std::span<const std::byte> payload) {
@@ -67,39 +58,47 @@ std::string open_segment_name(std::uint32_t segment_index) {
   return numbered_name(segment_index, ".open");
 }
 
-SegmentWriter::SegmentWriter(FileSystem& files, Path directory, const RunIdentity& identity,
-                             std::uint32_t segment_index, std::uint64_t first_frame)
+SegmentWriter::SegmentWriter(FileSystem& files, Path directory, const SegmentAbout& about)
     : files_(files), directory_(std::move(directory)) {
-  info_.name = segment_name(segment_index);
-  info_.index = segment_index;
-  info_.first_frame = first_frame;
-  file_ = files_.create(directory_ / open_segment_name(segment_index));
-  write(encode_header(info_, identity));
+  info_.name = segment_name(about.index);
+  info_.index = about.index;
+  info_.first_frame = about.first_frame;
+  file_ = files_.create(directory_ / open_segment_name(about.index));
+  record_.assign(reinterpret_cast<const std::byte*>(kMagic.data()),
+                 reinterpret_cast<const std::byte*>(kMagic.data() + kMagic.size()));
+  file_->append(record_);
+  checksum_.add(record_);
+  info_.size_bytes = record_.size();
+  begin_record();
+  encode_about(record_, about);
+  end_record();
 }
 
-void SegmentWriter::write(std::span<const std::byte> bytes) {
-  file_->append(bytes);
-  checksum_.add(bytes);
-  info_.size_bytes += bytes.size();
-}
+void SegmentWriter::begin_record() { record_.assign(kRecordHeaderBytes, std::byte{0}); }
 
-void SegmentWriter::append(const FrameView& frame) {
-  buffer_.assign(kRecordHeaderBytes, std::byte{0});
-  ByteWriter payload(buffer_);
-  payload.put(frame.index);
-  payload.put(frame.time_s);
-  payload.put_text(frame.phase);
-  encode_columns(buffer_, frame.columns);
-
-  const auto body = std::span<const std::byte>(buffer_).subspan(kRecordHeaderBytes);
+// Fills in the header that begin_record() left room for, and hands everything over in one write.
+void SegmentWriter::end_record() {
+  const auto payload = std::span<const std::byte>(record_).subspan(kRecordHeaderBytes);
   Bytes header;
   ByteWriter writer(header);
   writer.put(kRecordMagic);
   writer.put(std::uint32_t{0});
-  writer.put(static_cast<std::uint64_t>(body.size()));
-  writer.put(xxh3(body));
-  std::memcpy(buffer_.data(), header.data(), kRecordHeaderBytes);
-  write(buffer_);
+  writer.put(static_cast<std::uint64_t>(payload.size()));
+  writer.put(xxh3(payload));
+  std::memcpy(record_.data(), header.data(), kRecordHeaderBytes);
+  file_->append(record_);
+  checksum_.add(record_);
+  info_.size_bytes += record_.size();
+}
+
+void SegmentWriter::append(const FrameView& frame) {
+  begin_record();
+  ByteWriter payload(record_);
+  payload.put(frame.index);
+  payload.put(frame.time_s);
+  payload.put_text(frame.phase);
+  encode_columns(record_, frame.columns);
+  end_record();
   ++info_.frame_count;
 }
 
@@ -111,31 +110,36 @@ SegmentInfo SegmentWriter::seal() && {
   return info_;
 }
 
-SegmentReader::SegmentReader(FileSystem& files, const Path& path, const RunIdentity& identity)
+SegmentReader::SegmentReader(FileSystem& files, const Path& path)
     : file_(files.open(path)), bytes_left_(files.size_bytes(path)) {
-  Bytes header(kHeaderBytes);
-  if (file_->read(header) != kHeaderBytes)
+  std::array<char, kMagic.size()> magic{};
+  bytes_left_ -= file_->read(std::as_writable_bytes(std::span(magic)));
+  if (magic != kMagic || !read_record())
     throw StorageError(StorageFault::damaged, path.string() + " is no intact segment");
-  check_header(header, path, identity);
-  bytes_left_ -= kHeaderBytes;
+  about_ = decode_about(payload_);
 }
 
-std::optional<Frame> SegmentReader::next() {
-  if (bytes_left_ == 0 || torn_) return std::nullopt;
+bool SegmentReader::read_record() {
+  if (bytes_left_ == 0 || torn_) return false;
   torn_ = true;  // until the record has proved intact
   Bytes header(kRecordHeaderBytes);
-  if (file_->read(header) != kRecordHeaderBytes) return std::nullopt;
+  if (file_->read(header) != kRecordHeaderBytes) return false;
   bytes_left_ -= kRecordHeaderBytes;
   ByteReader reader(header);
   const auto magic = reader.get<std::uint32_t>();
   reader.get<std::uint32_t>();
   const auto payload_bytes = reader.get<std::uint64_t>();
   const auto checksum = reader.get<std::uint64_t>();
-  if (magic != kRecordMagic || payload_bytes > bytes_left_) return std::nullopt;
+  if (magic != kRecordMagic || payload_bytes > bytes_left_) return false;
   payload_.resize(payload_bytes);
-  if (file_->read(payload_) != payload_bytes || xxh3(payload_) != checksum) return std::nullopt;
+  if (file_->read(payload_) != payload_bytes || xxh3(payload_) != checksum) return false;
   bytes_left_ -= payload_bytes;
   torn_ = false;
+  return true;
+}
+
+std::optional<Frame> SegmentReader::next() {
+  if (!read_record()) return std::nullopt;
   return decode_frame(payload_);
 }
 

@@ -2,11 +2,11 @@
 // system in a single write. A killed writer therefore loses at most the frame it was writing, and a
 // torn tail is recognised, never read as data.
 //
-//   file   := header, record *
-//   header := "GRNSEG1\n", u32 segment index, u32 0, u64 first frame, u64 XXH3 of the run identity,
-//             u64 XXH3 of the 32 bytes before                                        (40 bytes)
-//   record := u32 "FRAM", u32 0, u64 payload bytes, u64 XXH3 of the payload, payload
-//   payload:= u64 frame index, f64 time [s], text phase, columns (column_codec.h)
+//   file   := "GRNSEG1\n", record(about), record(frame) *
+//   record := u32 "RECD", u32 0, u64 payload bytes, u64 XXH3 of the payload, payload
+//   about  := u32 segment index, u64 first frame, text scene key, text engine version,
+//             text vector path, text scene          (text = u32 length, bytes)
+//   frame  := u64 frame index, f64 time [s], text phase, columns (column_codec.h)
 #pragma once
 
 #include <cstdint>
@@ -38,6 +38,14 @@ struct Frame {
   std::vector<core::Column> columns;
 };
 
+// What a segment says of itself; enough to make a result file of it when all else is lost.
+struct SegmentAbout {
+  std::uint32_t index = 0;
+  std::uint64_t first_frame = 0;
+  RunIdentity identity;
+  std::string scene_text;
+};
+
 // A sealed segment, as a checkpoint lists it.
 struct SegmentInfo {
   std::string name;  // file name in the run's directory
@@ -50,34 +58,38 @@ struct SegmentInfo {
 
 class SegmentWriter {
  public:
-  SegmentWriter(FileSystem& files, Path directory, const RunIdentity& identity,
-                std::uint32_t segment_index, std::uint64_t first_frame);
+  SegmentWriter(FileSystem& files, Path directory, const SegmentAbout& about);
   void append(const FrameView& frame);
   // Makes the segment durable under its final name (the directory is synced by the caller).
   SegmentInfo seal() &&;
 
  private:
-  void write(std::span<const std::byte> bytes);
+  void begin_record();
+  void end_record();
 
   FileSystem& files_;
   Path directory_;
   SegmentInfo info_;
   std::unique_ptr<WritableFile> file_;
   RunningChecksum checksum_;
-  Bytes buffer_;  // kept: frames are of similar size
+  Bytes record_;  // kept: frames are of similar size
 };
 
 class SegmentReader {
  public:
-  // Throws StorageError: damaged (header) or foreign (another run's segment).
-  SegmentReader(FileSystem& files, const Path& path, const RunIdentity& identity);
+  // StorageError(damaged) when the file does not even say what it is.
+  SegmentReader(FileSystem& files, const Path& path);
+  const SegmentAbout& about() const { return about_; }
   // The next intact frame; nullopt at the end and at the first damaged record.
   std::optional<Frame> next();
   bool torn() const { return torn_; }  // stopped before the end of the file
 
  private:
+  bool read_record();  // into payload_; false at the end or when damaged
+
   std::unique_ptr<ReadableFile> file_;
   std::uint64_t bytes_left_ = 0;
+  SegmentAbout about_;
   bool torn_ = false;
   Bytes payload_;
 };
