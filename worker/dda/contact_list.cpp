@@ -1,0 +1,13 @@
+#include "worker/dda/contact_list.h"
+
+namespace granary::dda {
+
+void ActiveContacts::reserve(std::size_t capacity) {
+  if (first.size() >= capacity) return;
+  for (auto* indices : {&first, &second, &slot}) indices->resize(capacity);
+  for (auto* values : {&normal_x, &normal_y, &bias_n, &bias_t, &weight_n, &weight_t, &impulse_n,
+                       &impulse_t, &gap_start, &stored_t})
+    values->resize(capacity);
+}
+
+}  // namespace granary::dda

@@ -1,0 +1,58 @@
+#include "worker/dda/impulse_solver.h"
+
+#include <algorithm>
+
+#include "worker/dda/narrow_phase.h"
+
+namespace granary::dda {
+namespace {
+
+void keep_forces_of(const ActiveContacts& contacts, double time_step, CandidateList& list) {
+  std::fill(list.normal_force.begin(), list.normal_force.end(), 0.0);
+  std::fill(list.tangential_force.begin(), list.tangential_force.end(), 0.0);
+  for (std::size_t k = 0; k < contacts.size; ++k) {
+    if (contacts.slot[k] < 0) continue;
+    const auto slot = static_cast<std::size_t>(contacts.slot[k]);
+    list.normal_force[slot] = contacts.impulse_n[k] / time_step;
+    list.tangential_force[slot] = contacts.impulse_t[k] / time_step;
+  }
+}
+
+}  // namespace
+
+void solve_impulses(System& system) {
+  DiskMotion* motion = system.disks.motion.data();
+  const double fall = system.gravity * system.time_step;
+  for (std::size_t k = 0; k < system.disks.count(); ++k)
+    if (system.touched[k]) motion[k].vy -= fall;
+
+  const Kernels& run = kernels();
+  ActiveContacts& pairs = system.pair_contacts;
+  ActiveContacts& walls = system.wall_contacts;
+  const ContactArrays pair_arrays = arrays_of(pairs), wall_arrays = arrays_of(walls);
+  const ContactTerms pair_terms = contact_terms(system, system.contact.friction_disks);
+  const ContactTerms wall_terms = contact_terms(system, system.contact.friction_walls);
+  run.apply_impulses(pair_arrays, pairs.size, pair_terms.spin_factor, motion);
+  run.apply_impulses(wall_arrays, walls.size, wall_terms.spin_factor, motion);
+
+  const double tolerance2 = system.solver.tolerance * system.solver.tolerance;
+  SweepSums sums;
+  std::uint32_t sweeps = 0;
+  do {
+    sums = {};
+    run.sweep(pair_arrays, pairs.size, pair_terms, motion, &sums);
+    run.sweep(wall_arrays, walls.size, wall_terms, motion, &sums);
+    ++sweeps;
+  } while (sums.change > tolerance2 * sums.total && sweeps < system.solver.max_sweeps);
+  system.report.sweeps = sweeps;
+  system.counters.sweeps += sweeps;
+  system.counters.contact_updates += sweeps * (pairs.size + walls.size);
+  if (sums.change > tolerance2 * sums.total) ++system.counters.unconverged_steps;
+}
+
+void keep_forces(System& system) {
+  keep_forces_of(system.pair_contacts, system.time_step, system.lists.pairs);
+  keep_forces_of(system.wall_contacts, system.time_step, system.lists.walls);
+}
+
+}  // namespace granary::dda

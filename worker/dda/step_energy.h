@@ -1,0 +1,23 @@
+// Books one step in the energy ledger, each channel from its own forces (PHYSICS section I).
+//
+// Exact identities of the step, per contact with force f (end of step), relative displacement
+// dt u, stored spring force s at the start: the work f dt u splits into the change of f^2 / 2K, the
+// integrator's (f - s)^2 / 2K, and for a sliding contact the friction -f (dt u + (f - s) / K). Per
+// touched disk backward Euler dissipates m dv^2 / 2. What does not add up (linearised gaps, sweeps
+// that stopped at their tolerance) stays in the remainder.
+#pragma once
+
+#include "worker/dda/system.h"
+
+namespace granary::dda {
+
+// Starts the balance: stored energies from the disks and the forces in the lists.
+void open_ledger(System& system);
+
+// Preconditions: solve_impulses is done, `motion_before` holds the velocities at the start.
+void book_contacts(System& system);
+
+// Moves the disks to the end of the step and books kinetic, potential and integrator energy.
+void integrate(System& system);
+
+}  // namespace granary::dda

@@ -1,0 +1,26 @@
+#include "worker/dda/system.h"
+
+#include "worker/dda/step_energy.h"
+
+namespace granary::dda {
+
+std::string_view to_string(StepPhase phase) {
+  constexpr std::array<std::string_view, kStepPhaseCount> names = {
+      "neighbour lists", "contacts", "sweeps", "integration", "ledger"};
+  return names.at(static_cast<std::size_t>(phase));
+}
+
+double mean_radius(const Disks& disks) {
+  double sum = 0;
+  for (std::size_t k = 0; k < disks.count(); ++k) sum += disks.pose[k].radius;
+  return disks.count() > 0 ? sum / static_cast<double>(disks.count()) : 0;
+}
+
+void reset_contacts(System& system) {
+  system.lists = {};
+  system.lists.set_skin(system.solver.skin_ratio * mean_radius(system.disks));
+  system.touched.assign(system.disks.count() + 1, 0);
+  open_ledger(system);
+}
+
+}  // namespace granary::dda
