@@ -1,12 +1,9 @@
 #include "client/render/progress_line.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <map>
-
-#include "client/session/duration.h"
 
 namespace granary::render {
 namespace {
@@ -33,7 +30,7 @@ std::vector<std::string> segments(const v1::Progress& progress) {
   else if (progress.time_s() > 0)
     parts.push_back(formatted("t %.3g s", progress.time_s()));
   if (progress.eta_s() > 0 && std::isfinite(progress.eta_s()))
-    parts.push_back("ETA " + session::clock_text(progress.eta_s()));
+    parts.push_back("ETA " + clock_text(progress.eta_s()));
   if (progress.particles() > 0)
     parts.push_back(formatted("%llu particles",
                               static_cast<unsigned long long>(progress.particles())));
@@ -53,6 +50,20 @@ std::vector<std::string> segments(const v1::Progress& progress) {
 }
 
 }  // namespace
+
+std::string clock_text(double duration_s) {
+  const auto total = static_cast<long long>(std::llround(std::max(duration_s, 0.0)));
+  const long long days = total / 86400, hours = total / 3600 % 24, minutes = total / 60 % 60,
+                  seconds = total % 60;
+  char text[64];
+  if (days > 0)
+    std::snprintf(text, sizeof text, "%lldd %lld:%02lld:%02lld", days, hours, minutes, seconds);
+  else if (hours > 0)
+    std::snprintf(text, sizeof text, "%lld:%02lld:%02lld", hours, minutes, seconds);
+  else
+    std::snprintf(text, sizeof text, "%lld:%02lld", minutes, seconds);
+  return text;
+}
 
 std::string bar(double fraction, std::size_t width) {
   const auto filled = static_cast<std::size_t>(
@@ -78,17 +89,6 @@ std::vector<std::string> progress_lines(const v1::Progress& progress, std::size_
       lines.push_back(part.substr(0, width));
   }
   return lines;
-}
-
-std::string state_name(v1::JobState state) {
-  std::string name = v1::JobState_Name(state);
-  for (char& letter : name) letter = static_cast<char>(std::tolower(letter));
-  return state == v1::JOB_STATE_UNSPECIFIED ? "unknown" : name;
-}
-
-bool has_ended(v1::JobState state) {
-  return state == v1::COMPLETE || state == v1::ERROR || state == v1::UNSTABLE ||
-         state == v1::CANCELLED;
 }
 
 }  // namespace granary::render

@@ -19,8 +19,7 @@ std::vector<std::string> progress_lines(const v1::Progress& progress, std::size_
 // "####......" of `width` characters. Full only at fraction 1.
 std::string bar(double fraction, std::size_t width);
 
-// "waiting", "complete", ...: the state names of the contract.
-std::string state_name(v1::JobState state);
-bool has_ended(v1::JobState state);
+// 12 -> "0:12", 3725 -> "1:02:05", 90000 -> "1d 1:00:00".
+std::string clock_text(double duration_s);
 
 }  // namespace granary::render

@@ -4,18 +4,12 @@
 #include <optional>
 
 #include "client/session/link.h"
+#include "proto/contract/job_state.h"
 
 namespace granary::session {
 namespace {
 
 constexpr BackoffLimits kReconnect{.first_s = 0.1, .longest_s = 5, .patience_s = 300};
-
-bool is_final(const v1::JobEvent& event) {
-  if (event.what_case() != v1::JobEvent::kState) return false;
-  const v1::JobState state = event.state();
-  return state == v1::COMPLETE || state == v1::ERROR || state == v1::UNSTABLE ||
-         state == v1::CANCELLED;
-}
 
 // A stream that ended with one of these says nothing about the job.
 bool is_broken_stream(const grpc::Status& status) {
@@ -47,7 +41,7 @@ StreamEnd read_stream(Connection& connection, v1::WatchJobRequest& request, cons
   while (!end.job_ended && reader->Read(&event)) {
     request.set_after_sequence(std::max(request.after_sequence(), event.sequence()));
     end.heard = true;
-    end.job_ended = is_final(event);
+    end.job_ended = event.what_case() == v1::JobEvent::kState && is_final(event.state());
     sink(event);
   }
   if (end.job_ended) context->TryCancel();  // nothing more comes; do not wait for the server

@@ -1,13 +1,12 @@
-#include "client/session/duration.h"
+#include "client/commands/duration.h"
 
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 
-namespace granary::session {
+namespace granary::commands {
 namespace {
 
-constexpr double kLongest_s = 366.0 * 86400.0;
+constexpr double kLongestDuration_s = 366.0 * 86400.0;
 
 double unit_s(char unit) {
   switch (unit) {
@@ -45,22 +44,8 @@ Result<double> parse_duration_s(std::string_view text) {
     unit_before_s = unit;
     total_s += amount * unit;
   }
-  if (!(total_s > 0) || total_s > kLongest_s) return bad_duration(text);
+  if (!(total_s > 0) || total_s > kLongestDuration_s) return bad_duration(text);
   return total_s;
 }
 
-std::string clock_text(double duration_s) {
-  const auto total = static_cast<long long>(std::llround(std::max(duration_s, 0.0)));
-  const long long days = total / 86400, hours = total / 3600 % 24, minutes = total / 60 % 60,
-                  seconds = total % 60;
-  char text[64];
-  if (days > 0)
-    std::snprintf(text, sizeof text, "%lldd %lld:%02lld:%02lld", days, hours, minutes, seconds);
-  else if (hours > 0)
-    std::snprintf(text, sizeof text, "%lld:%02lld:%02lld", hours, minutes, seconds);
-  else
-    std::snprintf(text, sizeof text, "%lld:%02lld", minutes, seconds);
-  return text;
-}
-
-}  // namespace granary::session
+}  // namespace granary::commands
