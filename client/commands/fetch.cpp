@@ -1,0 +1,80 @@
+// granary fetch: the HDF5 result of a job.
+#include "client/session/fetch.h"
+
+#include <iostream>
+
+#include "client/commands/catalogue.h"
+#include "client/commands/jobs.h"
+#include "client/render/progress_display.h"
+#include "client/render/progress_line.h"
+
+namespace granary::commands {
+namespace {
+
+std::string default_file(const std::string& job) {
+  std::string name = job;
+  for (char& letter : name)
+    if (letter == '/') letter = '-';
+  return name + ".h5";
+}
+
+// One line redrawn in place; nothing when stderr is no terminal.
+class ByteProgress {
+ public:
+  explicit ByteProgress(bool shown) : shown_(shown) {}
+  void show(std::uint64_t have_bytes, std::uint64_t size_bytes) {
+    const int percent = size_bytes == 0 ? 100 : static_cast<int>(100 * have_bytes / size_bytes);
+    if (!shown_ || percent == percent_) return;
+    percent_ = percent;
+    std::cerr << "\r[" << render::bar(percent / 100.0, 20) << "] " << percent << " %" << std::flush;
+  }
+  void close() const {
+    if (percent_ >= 0) std::cerr << "\n";
+  }
+
+ private:
+  bool shown_;
+  int percent_ = -1;
+};
+
+Outcome fetch(Context& context, const std::string& text, bool force) {
+  auto job = job_name(text);
+  if (!job) return job.error();
+  auto session = context.session();
+  if (!session) return session.error();
+  const std::string& wanted = context.options().output;
+  const session::FetchRequest request{*job, wanted.empty() ? default_file(*job) : wanted, force};
+  ByteProgress bytes(!context.options().quiet && render::terminal_of_stderr().is_terminal);
+  session::Interrupt interrupt;
+  auto fetched = session::fetch_result(
+      **session, request,
+      [&](std::uint64_t have_bytes, std::uint64_t size_bytes) { bytes.show(have_bytes, size_bytes); },
+      interrupt);
+  bytes.close();
+  if (!fetched && interrupt.requested()) {
+    context.say("interrupted; the same command continues");
+    return ExitCode::interrupted;
+  }
+  if (!fetched) return fetched.error();
+  if (fetched->was_there) context.say(request.file.string() + " is already there");
+  const render::Table table{{"job", "file", "size_bytes", "sha256"},
+                            {{*job, request.file.string(), fetched->size_bytes, fetched->sha256}}};
+  std::cout << (context.format() == render::Format::table
+                    ? request.file.string() + "\n"
+                    : render::render_rows(table, context.format(), render::JsonShape::lines));
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+void add_fetch(CommandLine& line) {
+  auto name = std::make_shared<std::string>();
+  auto force = std::make_shared<bool>(false);
+  CLI::App& verb = line.verb("fetch", "Download a job's HDF5 result; continues where it stopped",
+                             "granary fetch jobs/12 -o bucket.h5");
+  verb.add_option("JOB", *name, "job name")->required()->type_name("");
+  verb.add_flag("--force", *force, "replace a file that has other content");
+  line.on(verb, [name, force](Context& context) { return fetch(context, *name, *force); });
+}
+
+}  // namespace granary::commands

@@ -1,0 +1,25 @@
+// The private server of a data directory: joined when it runs, started when it does not.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "client/session/settings.h"
+#include "proto/contract/result.h"
+
+namespace granary::session {
+
+// Seconds after its last use at which the private server leaves.
+inline constexpr int kPrivateIdleExit_s = 60;
+
+// Address of a serving server of the data directory of `settings`. Clients that call this at once
+// take turns by a lock, so one starts it and the others join. UNAVAILABLE with the end of its log
+// when it does not come up.
+Result<std::string> ensure_private_server(const Settings& settings,
+                                          const std::function<void(std::string_view)>& notice);
+
+// SERVING within `timeout_s`?
+bool is_serving(const std::string& address, double timeout_s);
+
+}  // namespace granary::session
