@@ -1,21 +1,29 @@
-// granary-worker: wiring only. Runs one scene without a server (--scene), checks a result file
-// (--verify), saves the frames of an abandoned run (--salvage), or is the engine process of a worker (--engine, started by worker/agent).
-#include <CLI/CLI.hpp>
+// granary-worker: wiring only. Serves a server (--server), runs one scene without one (--scene),
+// checks a result file (--verify), saves the frames of an abandoned run (--salvage), or is the engine
+// process of a worker (--engine, started by worker/agent).
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <iostream>
 #include <stdexcept>
 
 #include "proto/contract/result.h"
+#include "proto/contract/scene_rules.h"
 #include "proto/contract/version.h"
+#include "worker/agent/agent.h"
 #include "worker/run/console.h"
 #include "worker/run/engine_process.h"
+#include "worker/scene/discharge.h"
 
 namespace {
 
 using namespace granary;
 
-std::unique_ptr<core::Simulation> make_engine(const v1::Scene&, const core::State*) {
-  throw std::runtime_error("no engine is built into this program");
+std::unique_ptr<core::Simulation> make_engine(const v1::Scene& scene, const core::State* filling) {
+  if (scene.has_discharge()) return scene::make_discharge(scene, filling);
+  throw std::invalid_argument("scenes of kind '" + std::string(kind_of(scene)) + "' cannot be run by this version");
 }
 
 run::EngineBuild engine_build() { return {make_engine, "portable"}; }
@@ -35,11 +43,17 @@ struct Options {
   std::string salvage_directory;
   std::string engine_directory;
   int parent = 0;
+  agent::AgentConfig agent;
+  std::string log_level = "info";
 };
 
 void declare(CLI::App& app, Options& options) {
   app.set_version_flag("--version", std::string("granary-worker ") + kProductVersion + ", engine " +
                                         kEngineVersion);
+  app.add_option("--server", options.agent.server, "work for this server: unix:PATH or HOST:PORT");
+  app.add_option("--slots", options.agent.slots, "tasks at a time")->check(CLI::Range(1, 1024))->capture_default_str();
+  app.add_option("--work-dir", options.agent.work_dir, "folder for running tasks (default: a temporary one)");
+  app.add_option("--log-level", options.log_level, "debug, info, warn, error")->envname("GRANARY_LOG_LEVEL");
   app.add_option("--scene", options.console.scene_file, "run this scene without a server; - = stdin");
   app.add_option("--set", options.settings, "path=value: change one field of the scene (repeatable)")
       ->allow_extra_args(false);
@@ -60,14 +74,27 @@ void declare(CLI::App& app, Options& options) {
   app.footer("Example: granary-worker --scene tests/scenes/discharge_small.txtpb --set seed=2 -o small.h5");
 }
 
+int serve(Options& options) {
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("granary-worker"));
+  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z level=%l %v");
+  spdlog::set_level(spdlog::level::from_str(options.log_level));
+  if (options.agent.work_dir.empty())
+    options.agent.work_dir = std::filesystem::temp_directory_path() / ("granary-work-" + std::to_string(::getuid()));
+  options.agent.program = std::filesystem::read_symlink("/proc/self/exe");
+  options.agent.vector_path = engine_build().vector_path;
+  options.agent.kinds = {"discharge"};
+  return agent::run_agent(options.agent);
+}
+
 int run_program(Options& options) {
   if (!options.engine_directory.empty())
     return run::run_engine_process(options.engine_directory, options.parent, engine_build());
   if (!options.verify_file.empty()) return run::verify_console(options.verify_file);
   if (!options.salvage_directory.empty())
     return run::salvage_console(options.salvage_directory, options.console.output_file);
+  if (!options.agent.server.empty()) return serve(options);
   if (options.console.scene_file.empty()) {
-    std::cerr << "granary-worker: --scene FILE is missing (see --help)\n";
+    std::cerr << "granary-worker: --server ADDRESS or --scene FILE is missing (see --help)\n";
     return static_cast<int>(ExitCode::usage);
   }
   options.console.json = options.format == "json";

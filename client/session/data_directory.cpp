@@ -8,7 +8,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "proto/contract/resolve.h"
+#include "proto/contract/sha256.h"
 
 namespace granary::session {
 namespace {

@@ -41,12 +41,6 @@ std::string new_worker_id() {
   return host_name() + "-" + std::to_string(::getpid()) + "-" + suffix;
 }
 
-std::string vector_path() {
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
-    return "avx512";
-  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? "avx2" : "portable";
-}
-
 class Agent {
  public:
   explicit Agent(const AgentConfig& config)
@@ -81,8 +75,8 @@ class Agent {
     hello.set_host(host_name());
     hello.set_slots(config_.slots);
     hello.set_engine_version(kEngineVersion);
-    hello.set_vector_path(vector_path());
-    for (const char* kind : {"discharge", "chute"}) hello.add_kinds(kind);
+    hello.set_vector_path(config_.vector_path);
+    for (const std::string& kind : config_.kinds) hello.add_kinds(kind);
     hello.set_pid(::getpid());
     std::lock_guard lock(mutex_);
     for (const auto& [name, task] : tasks_) *hello.add_held() = task->held();

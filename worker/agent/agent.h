@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace granary::agent {
 
@@ -10,7 +11,9 @@ struct AgentConfig {
   std::string server;               // "unix:PATH" or "HOST:PORT"
   unsigned slots = 1;
   std::filesystem::path work_dir;   // made if missing; one folder per running task
-  std::filesystem::path program;    // /proc/self/exe
+  std::filesystem::path program;    // started again as the engine
+  std::string vector_path;          // of the engines: "avx512", "avx2" or "portable"
+  std::vector<std::string> kinds;   // of scene that the engines can run
 };
 
 // Runs until SIGTERM or SIGINT, then drains: engines checkpoint, tasks go back. Returns the exit

@@ -64,8 +64,9 @@ Result<EngineProcess> EngineProcess::start(const std::filesystem::path& program,
   posix_spawn_file_actions_adddup2(&setup.actions, ends[1], 1);
   posix_spawn_file_actions_addopen(&setup.actions, 2, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
   posix_spawn_file_actions_addopen(&setup.actions, 0, "/dev/null", O_RDONLY, 0);
-  std::string name = program.string(), option = "--engine", argument = folder.string();
-  char* arguments[] = {name.data(), option.data(), argument.data(), nullptr};
+  std::string name = program.string(), engine = "--engine", argument = folder.string();
+  std::string parent = "--parent", parent_id = std::to_string(::getpid());
+  char* arguments[] = {name.data(), engine.data(), argument.data(), parent.data(), parent_id.data(), nullptr};
   pid_t pid = -1;
   const int error = ::posix_spawn(&pid, name.c_str(), &setup.actions, &setup.attributes, arguments, environ);
   ::close(ends[1]);
