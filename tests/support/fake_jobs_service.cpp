@@ -136,10 +136,14 @@ grpc::Status FakeJobsService::Cancel(Context* context, const v1::CancelJobReques
 
 grpc::Status FakeJobsService::Retry(Context* context, const v1::RetryJobRequest* request,
                                     v1::Job* job) {
-  return on_job(context, "Retry", request->name(), [&](auto found) {
+  bool has_ended = false;
+  const auto status = on_job(context, "Retry", request->name(), [&](auto found) {
+    has_ended = is_final(found->second.job.state());
     found->second.job.set_state(v1::WAITING);
     *job = found->second.job;
   });
+  if (!status.ok() || has_ended) return status;
+  return {grpc::StatusCode::FAILED_PRECONDITION, request->name() + " is queued already"};
 }
 
 grpc::Status FakeJobsService::Delete(Context* context, const v1::DeleteJobRequest* request,
