@@ -1,7 +1,5 @@
 // granary check: the plan of a scene, without a server: which effects run and why, every setting and
 // who chose it.
-#include <numeric>
-
 #include "client/commands/catalogue.h"
 #include "client/commands/submission.h"
 #include "proto/contract/scene_rules.h"
@@ -14,15 +12,16 @@ using render::Json;
 constexpr double kPi = 3.14159265358979323846;
 
 // Grains that will ever be in the scene; of a fed chute what its inlet delivers in the whole run.
-double particle_count(const v1::Scene& scene) {
+std::uint64_t particle_count(const v1::Scene& scene) {
   if (scene.has_discharge()) {
     const v1::Discharge& discharge = scene.discharge();
-    return discharge.filling() == v1::Discharge::EXPLICIT ? discharge.discs_size()
-                                                          : discharge.particles().count();
+    if (discharge.filling() == v1::Discharge::EXPLICIT)
+      return static_cast<std::uint64_t>(discharge.discs_size());
+    return discharge.particles().count();
   }
   const v1::Chute& chute = scene.chute();
   double count = chute.initial_count() + chute.beads_size();
-  if (chute.inlet().feed() == v1::Inlet::NONE) return count;
+  if (chute.inlet().feed() == v1::Inlet::NONE) return static_cast<std::uint64_t>(count);
   const double fed_kg = chute.inlet().mass_flow_kg_per_s() * chute.duration_s();
   for (const auto& grain : chute.particles()) {
     const double mass_kg =
@@ -31,7 +30,7 @@ double particle_count(const v1::Scene& scene) {
     const double fraction = grain.has_mass_fraction() ? grain.mass_fraction() : 1;
     if (mass_kg > 0) count += fed_kg * fraction / mass_kg;
   }
-  return std::floor(count);
+  return static_cast<std::uint64_t>(count);
 }
 
 render::Table effects_table(const ResolvedScene& resolved) {
@@ -86,10 +85,9 @@ std::string plan_json(const LoadedScene& loaded) {
 }
 
 std::string plan_text(const LoadedScene& loaded) {
-  char count[32];
-  std::snprintf(count, sizeof count, "%.0f", particle_count(loaded.resolved.scene));
-  return loaded.source + ": valid " + std::string(kind_of(loaded.resolved.scene)) + ", " + count +
-         " particles\n\n" + render::as_aligned_text(effects_table(loaded.resolved)) + "\n" +
+  const auto count = particle_count(loaded.resolved.scene);
+  return loaded.source + ": valid " + std::string(kind_of(loaded.resolved.scene)) + ", " +
+         std::to_string(count) + " particles\n\n" + render::as_aligned_text(effects_table(loaded.resolved)) + "\n" +
          render::as_aligned_text(settings_table(loaded.resolved));
 }
 

@@ -86,7 +86,8 @@ CommandLine::CommandLine()
   root_.fallthrough();
   root_.set_help_flag("-h,--help", "this text");
   root_.set_version_flag("--version", std::string("granary ") + kProductVersion + " (engine " +
-                                          kEngineVersion + ")");
+                                          kEngineVersion + ")",
+                         "program and engine version");
   root_.footer(
       "Example:\n  granary run tests/scenes/discharge_small.txtpb --format json\n"
       "A verb tells its own: granary run --help");
@@ -127,31 +128,39 @@ void CommandLine::on(CLI::App& verb, Action action) {
   verb.final_callback([this, action = std::move(action)] { action_ = action; });
 }
 
-int CommandLine::usage_error(const std::string& what, int argc, const char* const* argv) const {
-  std::vector<std::string> names;
-  collect_names(root_, names);
-  std::string hint;
-  for (int i = 1; i < argc && hint.empty(); ++i) {
-    const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
-    if (what.find(word) == std::string::npos || word.size() < 2) continue;
-    if (std::find(names.begin(), names.end(), word) != names.end()) continue;
-    hint = nearest_name(word, names);
+// CLI11 lists what it could not place in reverse; people look for the first one.
+std::string CommandLine::describe_extra(int argc, const char* const* argv) const {
+  const std::vector<std::string> extras = root_.remaining(true);
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (std::find(extras.begin(), extras.end(), word) == extras.end()) continue;
+    std::vector<std::string> names;
+    collect_names(root_, names);
+    const std::string nearest = nearest_name(word.substr(0, word.find('=')), names);
+    const bool is_verb = word[0] != '-' && root_.get_subcommands().empty();
+    const char* what = word[0] == '-' ? "unknown option" : is_verb ? "unknown verb" : "unexpected";
+    return what + (" '" + word + "'") + (nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
   }
+  return "unexpected arguments";
+}
+
+int CommandLine::usage_error(const std::string& what) const {
   const CLI::App& app = deepest_parsed(root_);
   const std::string verb = &app == &root_ ? "" : " " + app.get_name();
-  print_error(what + (hint.empty() ? "" : " (did you mean '" + hint + "'?)") + "; see granary" +
-              verb + " --help");
+  print_error(what + " (granary" + verb + " --help)");
   return static_cast<int>(ExitCode::usage);
 }
 
 int CommandLine::run(int argc, const char* const* argv) {
   try {
     root_.parse(argc, argv);
+  } catch (const CLI::ExtrasError&) {
+    return usage_error(describe_extra(argc, argv));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return root_.exit(error);  // --help, --version
-    return usage_error(error.what(), argc, argv);
+    return usage_error(error.what());
   }
-  if (!action_) return usage_error("a verb is needed", argc, argv);
+  if (!action_) return usage_error("a verb is needed");
   Context context(options_);
   try {
     const Outcome outcome = action_(context);

@@ -72,7 +72,8 @@ class CommandLine {
 
  private:
   void add_global_options();
-  int usage_error(const std::string& what, int argc, const char* const* argv) const;
+  std::string describe_extra(int argc, const char* const* argv) const;
+  int usage_error(const std::string& what) const;
 
   CLI::App root_;
   GlobalOptions options_;

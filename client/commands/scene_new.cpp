@@ -22,7 +22,7 @@ discharge {
   }
   friction_pp_deg: 30
   friction_pw_deg: 20
-~ rolling_friction_coefficient: 0.12
+~ rolling_friction_coefficient: 0.1
 ~ cohesion_n_per_m: 0
 ~ normal_restitution: 0
   bucket {

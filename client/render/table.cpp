@@ -33,6 +33,7 @@ std::string plain_text(const Json& cell) {
 }
 
 std::string table_text(const Json& cell) {
+  if (cell.is_boolean()) return cell.get<bool>() ? "yes" : "no";
   std::string text = cell.is_number_float() ? rounded(cell.get<double>()) : plain_text(cell);
   return text.empty() ? "-" : printable(text);
 }

@@ -142,9 +142,15 @@ Result<v1::Job> Session::cancel(const std::string& name) {
 Result<v1::Job> Session::retry(const std::string& name) {
   v1::RetryJobRequest request;
   request.set_name(name);
-  return link_->call<v1::Job>([&](Connection& connection, grpc::ClientContext& context, auto* job) {
-    return connection.jobs().Retry(&context, request, job);
+  int tries = 0;
+  auto job = link_->call<v1::Job>([&](Connection& connection, grpc::ClientContext& context,
+                                      auto* answer) {
+    ++tries;
+    return connection.jobs().Retry(&context, request, answer);
   });
+  // The answer to an earlier try was lost: the job is queued because we asked for it.
+  if (!job && tries > 1 && job.error().code == ErrorCode::failed_precondition) return get(name);
+  return job;
 }
 
 Status Session::remove(const std::string& name) {

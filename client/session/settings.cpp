@@ -70,7 +70,7 @@ bool is_thread_count(const std::string& value) {
   unsigned count = 0;
   const char* end = value.data() + value.size();
   const auto parsed = std::from_chars(value.data(), end, count);
-  return parsed.ec == std::errc() && parsed.ptr == end && count <= 1024;
+  return parsed.ec == std::errc() && parsed.ptr == end && count <= 256;
 }
 
 Status check_value(SettingKey key, const Setting& setting) {
@@ -82,7 +82,7 @@ Status check_value(SettingKey key, const Setting& setting) {
   if (key == SettingKey::server && !is_server(setting.value))
     return error("a server: unix:PATH or HOST:PORT (port 0 to 65535)");
   if (key == SettingKey::threads && !is_thread_count(setting.value))
-    return error("a number of threads (0 to 1024)");
+    return error("a number of threads (0 to 256)");
   const std::string& level = setting.value;
   if (key == SettingKey::log_level && level != "debug" && level != "info" && level != "warn" &&
       level != "error")
