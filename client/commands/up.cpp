@@ -1,4 +1,5 @@
 // granary up: a server and its workers on this machine, in the foreground.
+#include <cstdlib>
 #include <thread>
 
 #include "client/commands/catalogue.h"
@@ -14,6 +15,13 @@ struct UpOptions {
   bool is_private = false;
 };
 
+// GRANARY_PRIVATE_IDLE_S is for tests, which cannot wait a minute for an idle server to leave.
+int private_idle_exit_s() {
+  const char* text = std::getenv("GRANARY_PRIVATE_IDLE_S");
+  const int seconds = text ? std::atoi(text) : 0;
+  return seconds > 0 ? seconds : session::kPrivateIdleExit_s;
+}
+
 Outcome up(Context& context, const UpOptions& options) {
   auto settings = context.settings();
   if (!settings) return settings.error();
@@ -25,7 +33,7 @@ Outcome up(Context& context, const UpOptions& options) {
       *directory,
       {.listen = options.listen,
        .worker_count = worker_count,
-       .idle_exit_s = options.is_private ? session::kPrivateIdleExit_s : 0,
+       .idle_exit_s = options.is_private ? private_idle_exit_s() : 0,
        .log_level = (*settings)[session::SettingKey::log_level].value,
        .wait_for_predecessor = options.is_private},
       [&](std::string_view text) { context.say(text); });
