@@ -51,6 +51,9 @@ int main(int argc, char** argv) {
                 double(c.sweeps - start_sweeps) / double(c.steps - start_steps),
                 double(c.contact_updates - start_updates) / double(c.sweeps - start_sweeps),
                 worst / engine.system().disks.pose[0].radius);
+    std::printf("          %lu list rebuilds, %zu pair candidates, %zu wall candidates, %zu contacts\n",
+                engine.system().lists.rebuild_count(), engine.system().lists.pairs.size(),
+                engine.system().lists.walls.size(), engine.system().report.contacts);
     phase_start = cpu_seconds(), start_steps = c.steps, start_sweeps = c.sweeps;
     start_updates = c.contact_updates, worst = 0;
   };

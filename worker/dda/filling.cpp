@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPitch = 1.05;   // of the largest diameter
 constexpr double kJitter = 0.02;  // of the largest diameter, to either side: 2 * 0.02 < 0.05
-constexpr double kMouthShare = 0.6;  // width of the array; narrower falls deeper, wider starts higher
+constexpr double kMouthShare = 0.75;  // width of the array; narrower falls deeper, wider starts higher
 
 enum RandomStream : std::uint64_t { diameter_stream = 1, jitter_x_stream = 2, jitter_y_stream = 3 };
 

@@ -28,7 +28,7 @@ struct SolverSettings {
   std::uint32_t max_sweeps = 500;
   double relaxation = 1.3;      // typical 1..1.5; 2 diverges
   double margin_ratio = 0.15;   // speculative contacts: gap < margin_ratio (r_i + r_k)
-  double skin_ratio = 0.4;      // neighbour lists: skin / mean radius
+  double skin_ratio = 0.8;      // neighbour lists: skin / mean radius
 };
 
 enum class StepPhase : std::size_t { lists, contacts, sweeps, integration, ledger, count };
