@@ -1,8 +1,8 @@
 // Claim: in a column of 40 disks contact k from the top carries k weights; the lowest overlap is
 //   40 m g / K = 1.2e-2 d at K = 1e5, 1.2e-3 d at 1e6, 1.2e-4 d at 1e7.
 // Method: 4 mm disks of 1000 kg/m2 one above the other, settled for 2 s at dt = 2e-3 s,
-//   whose numerical damping (omega^2 dt / 2 >= 12 per second for the slowest mode, K = 1e5) ends the
-//   oscillation.
+//   whose numerical damping (omega^2 dt / 2 >= 12 per second for the slowest mode, K = 1e5) ends
+//   the oscillation.
 // Reference: PHYSICS A5.
 // Tolerance: 1 % (the sweeps end at a relative change of 1e-7 per sweep; the slowest mode of 40
 //   contacts decays by about 1 - (pi / 40)^2 / 2 = 0.997 per sweep, so the error is ~3e-5).

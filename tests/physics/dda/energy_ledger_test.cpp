@@ -19,7 +19,8 @@ System dropped_heap() {
   const std::vector<Vec2> wedge = {{-0.1, 0.1}, {0, 0}, {0.1, 0.1}};
   system.walls.add_chain(wedge, false);
   for (int k = 0; k < 60; ++k)
-    add_disk(system, {0.0042 * (k % 6 - 2.6) + 2e-5 * (k % 5), 0.03 + 0.0043 * (k / 6)}, 0.002, 730);
+    add_disk(system, {0.0042 * (k % 6 - 2.6) + 2e-5 * (k % 5), 0.03 + 0.0043 * (k / 6)}, 0.002,
+             730);
   reset_contacts(system);
   return system;
 }

@@ -1,7 +1,8 @@
 // Claim: the 700- and 4000-disk straight buckets discharge as the independent prototype did.
 // Method: the shipped scenes, run as shipped; every disk watched at every step.
 // Reference: PHYSICS section E, expected ranges (over dt, two integrators and an explicit DEM).
-// Tolerance: those ranges, widened by 2.5 standard deviations of what is compared: 700 disks, mean of
+// Tolerance: those ranges, widened by 2.5 standard deviations of what is compared: 700 disks, mean
+// of
 //   three seeds (one run: f1 0.008 m, half gone 1.5 deg; measured over six seeds); 4000 disks, one
 //   run (section E: f1, f2 0.3 %, f4 0.6 %, f3 0.6 points); gravity table 3 points at 680 disks.
 //   One disk may stay in the 700-disk bucket: in the 45 deg wedge of its foot a disk locks itself
@@ -9,8 +10,8 @@
 // Seconds: 10
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <array>
+#include <fstream>
 #include <map>
 #include <sstream>
 
@@ -32,7 +33,8 @@ std::unique_ptr<core::Simulation> load(const std::string& name, std::uint64_t se
   std::ifstream file(std::string(GRANARY_SCENES) + "/" + name + ".txtpb");
   std::stringstream text;
   text << file.rdbuf();
-  const auto scene = load_scene(text.str(), name, std::array{FieldSetting{"seed", std::to_string(seed)}});
+  const auto scene =
+      load_scene(text.str(), name, std::array{FieldSetting{"seed", std::to_string(seed)}});
   EXPECT_TRUE(scene.ok());
   return make_discharge(resolve(*scene)->scene);
 }
@@ -45,7 +47,8 @@ Discharged run_scene(const std::string& name, std::uint64_t seed = 1) {
     double smallest = 1;
     for (std::size_t k = 0; k < engine.system().disks.count(); ++k)
       smallest = std::min(smallest, engine.system().disks.pose[k].radius);
-    run.worst_overlap = std::max(run.worst_overlap, engine.system().report.worst_overlap / smallest);
+    run.worst_overlap =
+        std::max(run.worst_overlap, engine.system().report.worst_overlap / smallest);
   }
   const core::Observation seen = simulation->observe();
   for (const auto& value : seen.values)
@@ -73,7 +76,7 @@ TEST(StraightBucket, of_700_disks_empties_centrifugally) {
 
 TEST(StraightBucket, of_700_disks_empties_by_gravity) {
   const Discharged run = run_scene("discharge_700_gravity");
-  const std::map<int, double> expected = {{60, 93},  {80, 73},  {90, 63},  {100, 51}, {110, 40},
+  const std::map<int, double> expected = {{60, 93},  {80, 73},  {90, 63}, {100, 51}, {110, 40},
                                           {120, 29}, {130, 16}, {140, 5}, {150, 0}};
   for (const auto& [degree, percent] : expected)
     EXPECT_NEAR(run.remaining.at(static_cast<std::size_t>(degree)), percent, 3) << degree;

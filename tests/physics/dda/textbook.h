@@ -10,7 +10,9 @@
 
 namespace granary::dda {
 
-inline double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+inline double radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
+}
 
 // A disk of `density` [kg/m2] at rest.
 inline void add_disk(System& system, Vec2 centre, double radius, double density) {

@@ -30,8 +30,8 @@ TEST(BeltDrive, velocity_is_the_derivative_of_the_position_in_every_phase) {
   const double h = 1e-6;
   for (const double t : {-0.05, 0.1, 0.2, 0.5}) {
     const Vec2 now = kDrive.pose_at(t).to_world(body);
-    const Vec2 slope = (1 / (2 * h)) *
-                       (kDrive.pose_at(t + h).to_world(body) - kDrive.pose_at(t - h).to_world(body));
+    const Vec2 slope = (1 / (2 * h)) * (kDrive.pose_at(t + h).to_world(body) -
+                                        kDrive.pose_at(t - h).to_world(body));
     const Vec2 velocity = kDrive.velocity_at(t).at(now);
     EXPECT_NEAR(velocity.x, slope.x, 1e-8) << t;
     EXPECT_NEAR(velocity.y, slope.y, 1e-8) << t;

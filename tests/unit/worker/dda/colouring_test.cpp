@@ -36,7 +36,9 @@ void expect_proper(const std::vector<NewContact>& contacts, std::int32_t disks) 
   EXPECT_EQ(found, contacts.size());
 }
 
-TEST(Colouring, puts_no_disk_twice_into_one_colour) { expect_proper(random_contacts(300, 900), 300); }
+TEST(Colouring, puts_no_disk_twice_into_one_colour) {
+  expect_proper(random_contacts(300, 900), 300);
+}
 
 TEST(Colouring, copes_with_a_disk_that_has_more_than_64_contacts) {
   std::vector<NewContact> star;

@@ -18,11 +18,14 @@ struct Heap {
   static constexpr int kSide = 20;
 
   Heap() {
-    const auto random = [](std::uint64_t stream, int k) { return core::random_uniform(5, stream, k); };
+    const auto random = [](std::uint64_t stream, int k) {
+      return core::random_uniform(5, stream, k);
+    };
     for (int k = 0; k < kSide * kSide; ++k)
-      disks.add({0.004 * (k % kSide) + 2e-4 * random(1, k), 0.004 * (k / kSide) + 2e-4 * random(2, k),
-                 0.002, 0},
-                {random(3, k) - 0.5, random(4, k) - 0.5, random(6, k) - 0.5, 100 + random(7, k)}, 0);
+      disks.add({0.004 * (k % kSide) + 2e-4 * random(1, k),
+                 0.004 * (k / kSide) + 2e-4 * random(2, k), 0.002, 0},
+                {random(3, k) - 0.5, random(4, k) - 0.5, random(6, k) - 0.5, 100 + random(7, k)},
+                0);
     std::vector<NewContact> contacts;
     for (int k = 0; k < kSide * kSide; ++k) {
       if (k % kSide + 1 < kSide) contacts.push_back({k, k + 1, random(8, k), 0.1 * random(9, k)});
@@ -45,13 +48,14 @@ Outcome solve(const Kernels& variant) {
   active.reserve(heap.candidates.size());
   std::vector<std::uint8_t> touched(heap.disks.count() + 1);
   const CandidateArrays candidates{
-      heap.candidates.first.data(), heap.candidates.second.data(),
+      heap.candidates.first.data(),        heap.candidates.second.data(),
       heap.candidates.normal_force.data(), heap.candidates.tangential_force.data(),
       heap.candidates.colour_start.data(), heap.candidates.colour_start.size() - 1};
   const ContactArrays arrays = arrays_of(active);
   std::size_t count = 0;
-  active.size = variant.select_pairs(candidates, heap.disks.pose.data(), heap.disks.motion.data(),
-                                     heap.disks.rest_index(), terms, arrays, touched.data(), &count);
+  active.size =
+      variant.select_pairs(candidates, heap.disks.pose.data(), heap.disks.motion.data(),
+                           heap.disks.rest_index(), terms, arrays, touched.data(), &count);
   EXPECT_GT(count, 300u);
   Outcome outcome;
   variant.apply_impulses(arrays, active.size, terms.spin_factor, heap.disks.motion.data());

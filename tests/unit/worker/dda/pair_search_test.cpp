@@ -13,7 +13,9 @@ namespace {
 
 std::vector<SweptDisk> random_disks(int count, double speed) {
   std::vector<SweptDisk> disks;
-  const auto random = [](std::uint64_t stream, int k) { return core::random_uniform(3, stream, k); };
+  const auto random = [](std::uint64_t stream, int k) {
+    return core::random_uniform(3, stream, k);
+  };
   for (int k = 0; k < count; ++k)
     disks.push_back({random(1, k) - 0.5, random(2, k) - 0.5, speed * (random(3, k) - 0.5),
                      speed * (random(4, k) - 0.5), 0.01 + 0.01 * random(5, k), k});
