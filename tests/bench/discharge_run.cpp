@@ -15,7 +15,9 @@
 
 namespace {
 
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+double cpu_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
 
 granary::v1::Scene read_scene(int argc, char** argv) {
   std::ifstream file(argv[1]);
@@ -46,11 +48,17 @@ int main(int argc, char** argv) {
   std::uint64_t start_steps = 0, start_sweeps = 0, start_updates = 0;
   const auto close_phase = [&] {
     const auto& c = engine.system().counters;
-    std::printf("%-9s %8.3f s CPU %6lu steps  %5.1f sweeps/step  %8.0f contacts/sweep  worst overlap %.3f r\n",
-                phase.c_str(), cpu_seconds() - phase_start, c.steps - start_steps,
-                double(c.sweeps - start_sweeps) / double(c.steps - start_steps),
-                double(c.contact_updates - start_updates) / double(c.sweeps - start_sweeps),
-                worst / engine.system().disks.pose[0].radius);
+    std::printf(
+        "%-9s %8.3f s CPU %6lu steps  %5.1f sweeps/step  %8.0f contacts/sweep  worst overlap %.3f "
+        "r\n",
+        phase.c_str(), cpu_seconds() - phase_start, c.steps - start_steps,
+        double(c.sweeps - start_sweeps) / double(c.steps - start_steps),
+        double(c.contact_updates - start_updates) / double(c.sweeps - start_sweeps),
+        worst / engine.system().disks.pose[0].radius);
+    std::printf(
+        "          %lu list rebuilds, %zu pair candidates, %zu wall candidates, %zu contacts\n",
+        engine.system().lists.rebuild_count(), engine.system().lists.pairs.size(),
+        engine.system().lists.walls.size(), engine.system().report.contacts);
     phase_start = cpu_seconds(), start_steps = c.steps, start_sweeps = c.sweeps;
     start_updates = c.contact_updates, worst = 0;
   };
@@ -83,7 +91,8 @@ int main(int argc, char** argv) {
               ledger.remainder_ratio());
   for (std::size_t k = 0; k < granary::core::kEnergyChannelCount; ++k)
     if (ledger.channels_j[k] != 0)
-      std::printf("  %s %.4g", std::string(to_string(static_cast<granary::core::EnergyChannel>(k))).c_str(),
+      std::printf("  %s %.4g",
+                  std::string(to_string(static_cast<granary::core::EnergyChannel>(k))).c_str(),
                   ledger.channels_j[k]);
   std::printf("\nhash %s\n", granary::core::hash_columns(simulation->physical_state()).c_str());
 }

@@ -17,10 +17,10 @@ struct CacheLineAllocator {
   CacheLineAllocator(const CacheLineAllocator<U>&) {}  // NOLINT: converting, as allocators must
 
   T* allocate(std::size_t count) {
-    return static_cast<T*>(::operator new(count * sizeof(T), std::align_val_t{kCacheLineBytes}));
+    return static_cast<T*>(::operator new (count * sizeof(T), std::align_val_t{kCacheLineBytes}));
   }
   void deallocate(T* pointer, std::size_t) {
-    ::operator delete(pointer, std::align_val_t{kCacheLineBytes});
+    ::operator delete (pointer, std::align_val_t{kCacheLineBytes});
   }
   friend bool operator==(const CacheLineAllocator&, const CacheLineAllocator&) { return true; }
 };

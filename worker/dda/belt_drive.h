@@ -18,7 +18,7 @@ struct RigidVelocity {
 };
 
 struct BeltDrive {
-  double rotation_rate = 0;  // omega [rad/s], clockwise; 0 = the bucket stays at theta = 0
+  double rotation_rate = 0;    // omega [rad/s], clockwise; 0 = the bucket stays at theta = 0
   double pulley_radius = 0.5;  // m
 
   double belt_speed() const { return rotation_rate * pulley_radius; }

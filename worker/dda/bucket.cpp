@@ -45,16 +45,18 @@ BucketGeometry make_bucket(std::span<const Vec2> outer_wall, const InnerWall& in
   for (const Vec2 point : outer_wall) bucket.outer_wall.push_back(foot + point);
   bucket.inner_wall = {foot, foot + Vec2{0, inner.height}};
   if (inner.deflector > 0)
-    bucket.inner_wall.push_back(bucket.inner_wall.back() +
-                                inner.deflector * Vec2{-std::sin(inner.deflector_angle),
-                                                       std::cos(inner.deflector_angle)});
+    bucket.inner_wall.push_back(
+        bucket.inner_wall.back() +
+        inner.deflector * Vec2{-std::sin(inner.deflector_angle), std::cos(inner.deflector_angle)});
   bucket.polygon = bucket.outer_wall;
   for (std::size_t k = bucket.inner_wall.size() - 1; k > 0; --k)
     bucket.polygon.push_back(bucket.inner_wall[k]);
   return bucket;
 }
 
-std::vector<Vec2> straight_wall(Vec2 tip) { return {{0, 0}, tip}; }
+std::vector<Vec2> straight_wall(Vec2 tip) {
+  return {{0, 0}, tip};
+}
 
 std::vector<Vec2> bezier_wall(const std::array<double, 3>& abscissae, Vec2 tip) {
   const std::array<Vec2, 5> control = {Vec2{0, 0}, Vec2{abscissae[0], tip.y / 4},

@@ -21,9 +21,9 @@ struct BucketGeometry {
 };
 
 struct InnerWall {
-  double height = 0.4;           // m
-  double deflector = 0;          // m, beyond the height
-  double deflector_angle = 0;    // rad, turned outwards (to -x); 0 = straight on
+  double height = 0.4;         // m
+  double deflector = 0;        // m, beyond the height
+  double deflector_angle = 0;  // rad, turned outwards (to -x); 0 = straight on
 };
 
 // `outer_wall` relative to the foot of the inner wall, foot first.

@@ -5,8 +5,8 @@
 namespace granary::dda {
 namespace {
 
-// Colours 0..63 come from bit sets. A disk with more contacts (very large among very small ones) gets
-// one colour of its own for each further contact.
+// Colours 0..63 come from bit sets. A disk with more contacts (very large among very small ones)
+// gets one colour of its own for each further contact.
 constexpr std::size_t kSharedColours = 64;
 
 std::vector<std::uint32_t> choose_colours(std::span<const NewContact> contacts, bool second_is_disk,

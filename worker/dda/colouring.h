@@ -1,5 +1,5 @@
-// Greedy colouring of contacts: no two contacts of one colour share a disk. First free colour in the
-// order given, so the result depends on nothing but the order.
+// Greedy colouring of contacts: no two contacts of one colour share a disk. First free colour in
+// the order given, so the result depends on nothing but the order.
 #pragma once
 
 #include <cstdint>

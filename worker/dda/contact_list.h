@@ -18,10 +18,10 @@ namespace granary::dda {
 inline constexpr std::size_t kGroupSize = 8;
 
 struct CandidateList {
-  AlignedVector<std::int32_t> first;   // disk
-  AlignedVector<std::int32_t> second;  // disk; wall segment in the wall list
-  AlignedVector<double> normal_force;      // N, end of the last step, >= 0 without cohesion
-  AlignedVector<double> tangential_force;  // N, along the contact tangent (-ny, nx)
+  AlignedVector<std::int32_t> first;        // disk
+  AlignedVector<std::int32_t> second;       // disk; wall segment in the wall list
+  AlignedVector<double> normal_force;       // N, end of the last step, >= 0 without cohesion
+  AlignedVector<double> tangential_force;   // N, along the contact tangent (-ny, nx)
   std::vector<std::uint32_t> colour_start;  // multiples of kGroupSize; last = size()
 
   std::size_t size() const { return first.size(); }
@@ -34,8 +34,8 @@ struct CandidateList {
 struct ActiveContacts {
   AlignedVector<std::int32_t> first, second, slot;  // slot: index in the candidate list
   AlignedVector<double> normal_x, normal_y;
-  AlignedVector<double> bias_n, bias_t;      // m/s
-  AlignedVector<double> weight_n, weight_t;  // relaxation / (effective inverse mass + compliance)
+  AlignedVector<double> bias_n, bias_t;        // m/s
+  AlignedVector<double> weight_n, weight_t;    // relaxation / (effective inverse mass + compliance)
   AlignedVector<double> impulse_n, impulse_t;  // N s
   AlignedVector<double> gap_start;             // m, < 0 where disks overlap
   AlignedVector<double> stored_t;              // N, tangential force at the start of the step

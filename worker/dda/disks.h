@@ -31,8 +31,8 @@ struct alignas(32) DiskMotion {
 };
 
 struct Disks {
-  AlignedVector<DiskPose> pose;      // count() + 1 records
-  AlignedVector<DiskMotion> motion;  // count() + 1 records
+  AlignedVector<DiskPose> pose;        // count() + 1 records
+  AlignedVector<DiskMotion> motion;    // count() + 1 records
   std::vector<std::uint32_t> id;       // as placed; survives removals
   std::vector<std::uint32_t> stratum;  // row of the filling array, for pictures
   std::vector<std::uint8_t> landed;    // 1: fell below the landing level, touches nothing any more

@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kPitch = 1.05;   // of the largest diameter
 constexpr double kJitter = 0.02;  // of the largest diameter, to either side: 2 * 0.02 < 0.05
-constexpr double kMouthShare = 0.6;  // width of the array; narrower falls deeper, wider starts higher
+constexpr double kMouthShare =
+    0.75;  // width of the array; narrower falls deeper, wider starts higher
 
 enum RandomStream : std::uint64_t { diameter_stream = 1, jitter_x_stream = 2, jitter_y_stream = 3 };
 
@@ -68,8 +69,8 @@ bool clear_of(const std::vector<WallSegment>& segments, Vec2 centre, double radi
 Disks drop_array(const DiskKind& kind, const BucketGeometry& bucket) {
   const double largest = kind.diameter_max, pitch = kPitch * largest;
   const Strip strip = drop_strip(bucket, largest);
-  const auto columns = static_cast<std::uint32_t>(
-      std::max(1.0, std::floor((strip.x_max - strip.x_min) / pitch)));
+  const auto columns =
+      static_cast<std::uint32_t>(std::max(1.0, std::floor((strip.x_max - strip.x_min) / pitch)));
   const std::uint32_t rows = (kind.count + columns - 1) / columns;
   Disks disks;
   for (std::uint32_t k = 0; k < kind.count; ++k) {

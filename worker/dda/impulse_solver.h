@@ -1,5 +1,5 @@
-// Projected Gauss-Seidel over the active contacts: warm start, then sweeps until the impulses change
-// by less than the tolerance. Disk pairs first, walls last, so that walls yield least.
+// Projected Gauss-Seidel over the active contacts: warm start, then sweeps until the impulses
+// change by less than the tolerance. Disk pairs first, walls last, so that walls yield least.
 #pragma once
 
 #include "worker/dda/system.h"

@@ -24,7 +24,7 @@ std::size_t available_kernels(const Kernels** list, std::size_t capacity) {
 }
 
 const Kernels& kernels() {
-  static const Kernels& best = [] () -> const Kernels& {
+  static const Kernels& best = []() -> const Kernels& {
     const Kernels* list[3] = {};
     return *list[available_kernels(list, 3) - 1];
   }();

@@ -39,12 +39,12 @@ struct CandidateArrays {
 
 struct ContactTerms {
   double time_step;
-  double compliance;    // 1 / (K dt^2) [1/kg]
-  double friction;      // tan of the friction angle
-  double spin_factor;   // 2 for a disk, 0 with particle rotation switched off
-  double relaxation;    // over-relaxation of the sweeps
-  double margin_ratio;  // speculative margin / (r_i + r_k)
-  double restitution;   // 0 = none
+  double compliance;             // 1 / (K dt^2) [1/kg]
+  double friction;               // tan of the friction angle
+  double spin_factor;            // 2 for a disk, 0 with particle rotation switched off
+  double relaxation;             // over-relaxation of the sweeps
+  double margin_ratio;           // speculative margin / (r_i + r_k)
+  double restitution;            // 0 = none
   double restitution_threshold;  // m/s, slower approaches do not bounce
 };
 

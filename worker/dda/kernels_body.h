@@ -17,11 +17,21 @@ typedef long long Mask __attribute__((vector_size(64)));
 
 static_assert(sizeof(DiskPose) == sizeof(Quad) && sizeof(DiskMotion) == sizeof(Quad));
 
-inline Lanes load(const double* p) { return *reinterpret_cast<const Lanes*>(p); }
-inline void store(double* p, Lanes v) { *reinterpret_cast<Lanes*>(p) = v; }
-inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
-inline Lanes smaller(Lanes a, Lanes b) { return a < b ? a : b; }
-inline Lanes all(double value) { return Lanes{} + value; }
+inline Lanes load(const double* p) {
+  return *reinterpret_cast<const Lanes*>(p);
+}
+inline void store(double* p, Lanes v) {
+  *reinterpret_cast<Lanes*>(p) = v;
+}
+inline Lanes larger(Lanes a, Lanes b) {
+  return a > b ? a : b;
+}
+inline Lanes smaller(Lanes a, Lanes b) {
+  return a < b ? a : b;
+}
+inline Lanes all(double value) {
+  return Lanes{} + value;
+}
 inline Lanes square_root(Lanes v) {
   Lanes root;
   for (std::size_t k = 0; k < kGroupSize; ++k) root[k] = std::sqrt(v[k]);
@@ -158,7 +168,10 @@ inline PairGeometry pair_geometry(const Records& p1, const Records& p2, const Re
                          ? smaller(position_bias, terms.restitution * un)
                          : position_bias;
   const Lanes inverse_mass = v1.d + v2.d;
-  return {nx, ny, gap_start, bias,
+  return {nx,
+          ny,
+          gap_start,
+          bias,
           terms.relaxation / (inverse_mass + terms.compliance),
           terms.relaxation / ((1.0 + terms.spin_factor) * inverse_mass + terms.compliance),
           (smaller(gap_start, gap_end) < terms.margin_ratio * reach) | (force > 0.0)};

@@ -9,8 +9,9 @@ namespace {
 constexpr double kRestitutionThreshold = 0.02;  // m/s; a fall of 0.02 mm
 
 CandidateArrays arrays_of(const CandidateList& list) {
-  return {list.first.data(),         list.second.data(),       list.normal_force.data(),
-          list.tangential_force.data(), list.colour_start.data(), list.colour_start.size() - 1};
+  return {list.first.data(),        list.second.data(),
+          list.normal_force.data(), list.tangential_force.data(),
+          list.colour_start.data(), list.colour_start.size() - 1};
 }
 
 struct WallStep {
@@ -31,8 +32,8 @@ void append_wall_contact(System& system, const ContactTerms& terms, const WallSt
   const auto touch = touch_segment(system.walls.segments, list.second[slot], start.to_body(centre),
                                    end.to_body(centre + terms.time_step * velocity), pose.radius);
   const double force = list.normal_force[slot];
-  if (!touch || !(std::min(touch->gap_start, touch->gap_end) < terms.margin_ratio * pose.radius ||
-                  force > 0))
+  if (!touch ||
+      !(std::min(touch->gap_start, touch->gap_end) < terms.margin_ratio * pose.radius || force > 0))
     return;
 
   const Vec2 normal = end.turn(touch->normal), tangent{-normal.y, normal.x};
@@ -109,8 +110,8 @@ ContactTerms contact_terms(const System& system, double friction) {
 }
 
 ContactArrays arrays_of(ActiveContacts& c) {
-  return {c.first.data(),  c.second.data(),   c.slot.data(),      c.normal_x.data(),
-          c.normal_y.data(), c.bias_n.data(),   c.bias_t.data(),    c.weight_n.data(),
+  return {c.first.data(),    c.second.data(),    c.slot.data(),      c.normal_x.data(),
+          c.normal_y.data(), c.bias_n.data(),    c.bias_t.data(),    c.weight_n.data(),
           c.weight_t.data(), c.impulse_n.data(), c.impulse_t.data(), c.gap_start.data(),
           c.stored_t.data()};
 }
@@ -120,10 +121,10 @@ void select_contacts(System& system) {
   const ContactTerms pair_terms = contact_terms(system, system.contact.friction_disks);
   ActiveContacts& pairs = system.pair_contacts;
   pairs.reserve(system.lists.pairs.size());
-  pairs.size = kernels().select_pairs(arrays_of(system.lists.pairs), system.disks.pose.data(),
-                                      system.disks.motion.data(), system.disks.rest_index(),
-                                      pair_terms, arrays_of(pairs), system.touched.data(),
-                                      &pairs.contact_count);
+  pairs.size =
+      kernels().select_pairs(arrays_of(system.lists.pairs), system.disks.pose.data(),
+                             system.disks.motion.data(), system.disks.rest_index(), pair_terms,
+                             arrays_of(pairs), system.touched.data(), &pairs.contact_count);
   select_walls(system, contact_terms(system, system.contact.friction_walls));
   system.report.contacts = pairs.contact_count + system.wall_contacts.contact_count;
 }

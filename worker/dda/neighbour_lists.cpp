@@ -9,7 +9,7 @@ namespace granary::dda {
 namespace {
 
 constexpr std::uint64_t kShortestHorizonSteps = 3;
-constexpr std::uint64_t kLongestHorizonSteps = 40;
+constexpr std::uint64_t kLongestHorizonSteps = 10;
 constexpr double kAllowedDeviation = 0.25;  // of the skin
 
 }  // namespace

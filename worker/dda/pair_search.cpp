@@ -12,8 +12,8 @@ std::int32_t cell_of(double position, double inverse_cell) {
 }
 
 std::uint32_t hash_cell(std::int32_t x, std::int32_t y) {
-  const std::uint32_t h = static_cast<std::uint32_t>(x) * 0x9e3779b1u ^
-                          static_cast<std::uint32_t>(y) * 0x85ebca77u;
+  const std::uint32_t h =
+      static_cast<std::uint32_t>(x) * 0x9e3779b1u ^ static_cast<std::uint32_t>(y) * 0x85ebca77u;
   return h ^ (h >> 15);
 }
 

@@ -1,7 +1,7 @@
 // Which disks come within reach of each other in the near future. Each disk sweeps a box over the
 // horizon; boxes are hashed into cells; pairs whose boxes meet are kept if straight relative motion
-// brings them within the sum of their reaches (radius + pad). A fast cloud of flying disks therefore
-// costs no more than a packed bed: only the relative motion counts.
+// brings them within the sum of their reaches (radius + pad). A fast cloud of flying disks
+// therefore costs no more than a packed bed: only the relative motion counts.
 #pragma once
 
 #include <cstdint>

@@ -117,8 +117,8 @@ void book_contacts(System& system) {
   ledger[EnergyChannel::friction] += sum.friction;
   ledger[EnergyChannel::normal_damping] += sum.damping;
   ledger[EnergyChannel::wall_work] += sum.wall_work;
-  ledger.throughput_j += sum.exchanged + std::abs(sum.friction) + std::abs(sum.integrator) +
-                         std::abs(sum.damping);
+  ledger.throughput_j +=
+      sum.exchanged + std::abs(sum.friction) + std::abs(sum.integrator) + std::abs(sum.damping);
 }
 
 void integrate(System& system) {
@@ -131,8 +131,8 @@ void integrate(System& system) {
     if (system.touched[k]) {
       move_touched(pose, v, dt);
       const DiskMotion& old = system.motion_before[k];
-      dissipated += kinetic_of({v.vx - old.vx, v.vy - old.vy, v.surface_speed - old.surface_speed,
-                                v.inverse_mass});
+      dissipated += kinetic_of(
+          {v.vx - old.vx, v.vy - old.vy, v.surface_speed - old.surface_speed, v.inverse_mass});
     } else {
       move_free(pose, v, dt, gravity);
     }

@@ -19,16 +19,16 @@ struct ContactSettings {
   double stiffness = 1e7;     // K_N = K_T [N/m] for the whole axial depth
   double friction_disks = 0;  // tan of the friction angle inside the material
   double friction_walls = 0;
-  double restitution = 0;     // Newton, normal
-  bool rotation = true;       // false: disks never spin
+  double restitution = 0;  // Newton, normal
+  bool rotation = true;    // false: disks never spin
 };
 
 struct SolverSettings {
-  double tolerance = 1e-2;      // |change of impulses| / |impulses| that ends the sweeps
+  double tolerance = 1e-2;  // |change of impulses| / |impulses| that ends the sweeps
   std::uint32_t max_sweeps = 500;
-  double relaxation = 1.3;      // typical 1..1.5; 2 diverges
-  double margin_ratio = 0.15;   // speculative contacts: gap < margin_ratio (r_i + r_k)
-  double skin_ratio = 0.4;      // neighbour lists: skin / mean radius
+  double relaxation = 1.3;     // typical 1..1.5; 2 diverges
+  double margin_ratio = 0.15;  // speculative contacts: gap < margin_ratio (r_i + r_k)
+  double skin_ratio = 0.8;     // neighbour lists: skin / mean radius
 };
 
 enum class StepPhase : std::size_t { lists, contacts, sweeps, integration, ledger, count };
@@ -47,7 +47,7 @@ struct StepCounters {
 struct StepReport {
   std::size_t contacts = 0;
   std::uint32_t sweeps = 0;
-  double worst_overlap = 0;  // m, at the start of the step
+  double worst_overlap = 0;   // m, at the start of the step
   double kinetic_energy = 0;  // J, of disks that have not landed
 };
 
@@ -66,8 +66,8 @@ struct System {
   NeighbourLists lists;
   ActiveContacts pair_contacts;
   ActiveContacts wall_contacts;
-  std::vector<Vec2> wall_velocity;      // of wall_contacts: at the touching point
-  std::vector<std::uint8_t> touched;    // per disk (+1): has an active contact in this step
+  std::vector<Vec2> wall_velocity;    // of wall_contacts: at the touching point
+  std::vector<std::uint8_t> touched;  // per disk (+1): has an active contact in this step
   AlignedVector<DiskMotion> motion_before;
 
   core::EnergyLedger ledger;

@@ -13,8 +13,8 @@ WallRun enclose(std::span<const WallSegment> segments, std::size_t first, std::s
   WallRun run{static_cast<std::int32_t>(first), static_cast<std::int32_t>(count), 0.5 * (from + to),
               0, segments[first].moves};
   for (std::size_t k = first; k < first + count; ++k)
-    run.radius = std::max({run.radius, length(segments[k].begin - run.centre),
-                           length(segments[k].end - run.centre)});
+    run.radius = std::max(
+        {run.radius, length(segments[k].begin - run.centre), length(segments[k].end - run.centre)});
   return run;
 }
 
@@ -40,8 +40,8 @@ void Walls::add_chain(std::span<const Vec2> points, bool moves) {
     const Vec2 along = points[k + 1] - points[k];
     const double size = length(along);
     const auto index = static_cast<std::int32_t>(segments.size());
-    segments.push_back({points[k], points[k + 1], (1 / size) * along, size,
-                        k > 0 ? index - 1 : -1, k + 2 < points.size() ? index + 1 : -1, moves});
+    segments.push_back({points[k], points[k + 1], (1 / size) * along, size, k > 0 ? index - 1 : -1,
+                        k + 2 < points.size() ? index + 1 : -1, moves});
   }
   for (std::size_t k = first; k < segments.size(); k += kRunLength)
     runs.push_back(enclose(segments, k, std::min(kRunLength, segments.size() - k)));
@@ -72,8 +72,7 @@ std::optional<WallTouch> touch_segment(const std::vector<WallSegment>& segments,
 }
 
 double distance_to_segment(const WallSegment& segment, Vec2 point) {
-  const double along =
-      std::clamp(dot(point - segment.begin, segment.tangent), 0.0, segment.length);
+  const double along = std::clamp(dot(point - segment.begin, segment.tangent), 0.0, segment.length);
   return length(point - (segment.begin + along * segment.tangent));
 }
 

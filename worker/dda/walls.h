@@ -39,15 +39,15 @@ struct Walls {
 
 // Where a disk touches a segment, in the segment's own frame.
 struct WallTouch {
-  Vec2 point;       // on the wall
-  Vec2 normal;      // unit, from the disk into the wall
+  Vec2 point;            // on the wall
+  Vec2 normal;           // unit, from the disk into the wall
   double gap_start = 0;  // m, at the positions of the start of the step
   double gap_end = 0;    // m, along `normal` at the predicted positions
 };
 
 // Contact of a disk (centre relative to the wall at the start and predicted at the end of the step)
-// with one segment. A joint of two segments is claimed by exactly one of them, and only where neither
-// flank is nearer; nullopt = this segment claims nothing.
+// with one segment. A joint of two segments is claimed by exactly one of them, and only where
+// neither flank is nearer; nullopt = this segment claims nothing.
 std::optional<WallTouch> touch_segment(const std::vector<WallSegment>& segments, std::int32_t index,
                                        Vec2 centre_start, Vec2 centre_end, double radius);
 

@@ -11,8 +11,8 @@ constexpr double kHeldShare = 0.8;
 
 // Smallest bound that holds ceil(0.8 n) of the distances.
 double bound_of_share(std::vector<double> distance) {
-  const auto held = static_cast<std::size_t>(
-      std::ceil(kHeldShare * static_cast<double>(distance.size()) - 1e-9));
+  const auto held =
+      static_cast<std::size_t>(std::ceil(kHeldShare * static_cast<double>(distance.size()) - 1e-9));
   const auto last = distance.begin() + static_cast<std::ptrdiff_t>(held - 1);
   std::nth_element(distance.begin(), last, distance.end());
   return *last;

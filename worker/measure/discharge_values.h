@@ -14,10 +14,10 @@ struct FlyingDisk {
 };
 
 struct FlightValues {
-  double centre_x = 0;     // f1 [m]: mass centroid of the flying disks
-  double centre_y = 0;     // m
-  double distance = 0;     // f2 [m]: of the centroid from the pulley centre
-  double spread = 0;       // f4 [m]: smallest radius round the centroid that holds 80 % of the disks
+  double centre_x = 0;  // f1 [m]: mass centroid of the flying disks
+  double centre_y = 0;  // m
+  double distance = 0;  // f2 [m]: of the centroid from the pulley centre
+  double spread = 0;    // f4 [m]: smallest radius round the centroid that holds 80 % of the disks
 };
 
 // nullopt when fewer than 5 % of `initial_count` disks fly: no number is better than a random one.

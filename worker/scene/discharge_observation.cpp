@@ -46,7 +46,8 @@ void add_flight(const DischargeRecord& record, const std::vector<measure::Flying
   values.add("f1_m", "m", pick(&measure::FlightValues::centre_x), basis);
   values.add("f2_m", "m", pick(&measure::FlightValues::distance), basis);
   values.add("f3_percent", "%",
-             100.0 * (static_cast<double>(record.initial_count) - static_cast<double>(flying.size())) /
+             100.0 *
+                 (static_cast<double>(record.initial_count) - static_cast<double>(flying.size())) /
                  static_cast<double>(record.initial_count));
   values.add("f4_m", "m", pick(&measure::FlightValues::spread), basis);
 }
@@ -55,11 +56,13 @@ void add_landing(const dda::System& system, const DischargeRecord& record, Value
   const auto landing = measure::landing_values(landed_disks(system, record), record.initial_count);
   const auto basis = std::string(landing ? kOneRun : "fewer than 5 % of the disks landed");
   values.add("f1_landing_m", "m", landing ? std::optional(landing->mean_x) : std::nullopt, basis);
-  values.add("f4_landing_m", "m", landing ? std::optional(landing->half_width) : std::nullopt, basis);
+  values.add("f4_landing_m", "m", landing ? std::optional(landing->half_width) : std::nullopt,
+             basis);
 }
 
 void add_shares(const DischargeRecord& record, Values& values) {
-  for (const auto& [name, share] : {std::pair{"a5_deg", 0.05}, {"a50_deg", 0.5}, {"a95_deg", 0.95}}) {
+  for (const auto& [name, share] :
+       {std::pair{"a5_deg", 0.05}, {"a50_deg", 0.5}, {"a95_deg", 0.95}}) {
     const auto angle =
         measure::angle_of_share_left(record.sample_angle_deg, record.sample_remaining, share);
     values.add(name, "deg", angle, angle ? std::string(kOneRun) : "that share has not left");
@@ -72,9 +75,9 @@ core::Table remaining_table(const DischargeRecord& record) {
   for (double degree = 0; degree <= last + 1e-6; degree += 1) {
     angle.push_back(degree);
     time.push_back(measure::interpolate(record.sample_angle_deg, record.sample_time, degree));
-    remaining.push_back(100 *
-                        measure::interpolate(record.sample_angle_deg, record.sample_remaining, degree) /
-                        static_cast<double>(record.initial_count));
+    remaining.push_back(
+        100 * measure::interpolate(record.sample_angle_deg, record.sample_remaining, degree) /
+        static_cast<double>(record.initial_count));
   }
   return {"remaining",
           {make_column<double>("time_s", "s", time), make_column<double>("angle_deg", "deg", angle),
@@ -125,8 +128,9 @@ core::Observation DischargeSimulation::observe() const {
              values);
   add_landing(system_, record_, values);
   add_shares(record_, values);
-  values.add("fill_ratio", "1",
-             static_cast<double>(record_.initial_count) / static_cast<double>(record_.placed_count));
+  values.add(
+      "fill_ratio", "1",
+      static_cast<double>(record_.initial_count) / static_cast<double>(record_.placed_count));
   values.add("count_initial", "1", static_cast<double>(record_.initial_count));
   values.add("filled_mass_kg", "kg", record_.initial_mass);
   values.add("discharged_mass_kg", "kg",

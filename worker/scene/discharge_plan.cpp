@@ -9,14 +9,18 @@ namespace {
 
 using std::numbers::pi;
 
-double radians(double degrees) { return degrees * pi / 180; }
+double radians(double degrees) {
+  return degrees * pi / 180;
+}
 
 template <typename T>
 double value_or(bool there, T value, double fallback) {
   return there ? static_cast<double>(value) : fallback;
 }
 
-dda::Vec2 point_of(const v1::Point2& point) { return {point.x_m(), point.y_m()}; }
+dda::Vec2 point_of(const v1::Point2& point) {
+  return {point.x_m(), point.y_m()};
+}
 
 std::vector<dda::Vec2> outer_wall(const v1::Bucket& bucket, double pulley_radius) {
   const double tip_y = value_or(bucket.has_tip_y_m(), bucket.tip_y_m(), 0.4);
@@ -26,14 +30,17 @@ std::vector<dda::Vec2> outer_wall(const v1::Bucket& bucket, double pulley_radius
   switch (bucket.shape()) {
     case v1::Bucket::BEZIER:
       return dda::bezier_wall({bucket.x2_m(), bucket.x3_m(), bucket.x4_m()}, tip);
-    case v1::Bucket::LOGARITHMIC: return dda::logarithmic_wall(tip, pulley_radius);
-    case v1::Bucket::T_TYPE: return dda::t_type_wall(tip);
+    case v1::Bucket::LOGARITHMIC:
+      return dda::logarithmic_wall(tip, pulley_radius);
+    case v1::Bucket::T_TYPE:
+      return dda::t_type_wall(tip);
     case v1::Bucket::POLYLINE: {
       std::vector<dda::Vec2> wall;
       for (const v1::Point2& point : bucket.points()) wall.push_back(point_of(point));
       return wall;
     }
-    default: return dda::straight_wall(tip);
+    default:
+      return dda::straight_wall(tip);
   }
 }
 
@@ -49,10 +56,14 @@ dda::BucketGeometry bucket_of(const v1::Discharge& d, double pulley_radius) {
 
 DischargePlan::Filling filling_of(const v1::Discharge& d) {
   switch (d.filling()) {
-    case v1::Discharge::ORDERED_COMPACT: return DischargePlan::Filling::ordered_compact;
-    case v1::Discharge::STORED: return DischargePlan::Filling::stored;
-    case v1::Discharge::EXPLICIT: return DischargePlan::Filling::placed;
-    default: return DischargePlan::Filling::drop;
+    case v1::Discharge::ORDERED_COMPACT:
+      return DischargePlan::Filling::ordered_compact;
+    case v1::Discharge::STORED:
+      return DischargePlan::Filling::stored;
+    case v1::Discharge::EXPLICIT:
+      return DischargePlan::Filling::placed;
+    default:
+      return DischargePlan::Filling::drop;
   }
 }
 
@@ -89,12 +100,13 @@ void read_disks(const v1::Scene& scene, double depth, DischargePlan& plan) {
   const v1::Discharge& d = scene.discharge();
   const v1::DiscParticles& particles = d.particles();
   const double mass_per_area = particles.density_kg_per_m3() * depth;
-  plan.disk_kind = {.count = particles.count(),
-                    .diameter_min = particles.diameter_min_m(),
-                    .diameter_max = value_or(particles.has_diameter_max_m(),
-                                             particles.diameter_max_m(), particles.diameter_min_m()),
-                    .mass_per_area = mass_per_area,
-                    .seed = scene.has_seed() ? scene.seed() : 1};
+  plan.disk_kind = {
+      .count = particles.count(),
+      .diameter_min = particles.diameter_min_m(),
+      .diameter_max = value_or(particles.has_diameter_max_m(), particles.diameter_max_m(),
+                               particles.diameter_min_m()),
+      .mass_per_area = mass_per_area,
+      .seed = scene.has_seed() ? scene.seed() : 1};
   plan.filling = filling_of(d);
   if (plan.filling == DischargePlan::Filling::placed)
     plan.placed_disks = disks_of(d, mass_per_area);
@@ -104,8 +116,7 @@ void read_motion(const v1::Discharge& d, DischargePlan& plan) {
   plan.rotation_rate = d.rotation_rad_per_s();
   if (d.has_rademacher_ka()) plan.rademacher_ka = d.rademacher_ka();
   plan.run_up = d.run_up_m();
-  plan.starts_with_belt_velocity =
-      d.initial_velocity() == v1::Discharge::BELT || plan.run_up > 0;
+  plan.starts_with_belt_velocity = d.initial_velocity() == v1::Discharge::BELT || plan.run_up > 0;
   plan.time_step = value_or(d.has_time_step_s(), d.time_step_s(), 2e-4);
   plan.filling_time_step =
       value_or(d.has_filling_time_step_s(), d.filling_time_step_s(), plan.time_step);
@@ -133,7 +144,8 @@ DischargePlan make_discharge_plan(const v1::Scene& resolved) {
   const v1::Discharge& d = resolved.discharge();
   refuse_unbuilt(d);
   DischargePlan plan;
-  const double depth = value_or(d.particles().has_axial_depth_m(), d.particles().axial_depth_m(), 1);
+  const double depth =
+      value_or(d.particles().has_axial_depth_m(), d.particles().axial_depth_m(), 1);
   plan.pulley_radius = value_or(d.has_pulley_radius_m(), d.pulley_radius_m(), 0.5);
   read_contact(resolved, depth, plan);
   read_disks(resolved, depth, plan);

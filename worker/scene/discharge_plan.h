@@ -16,9 +16,9 @@ namespace granary::scene {
 struct DischargePlan {
   enum class Filling { drop, ordered_compact, stored, placed };
 
-  dda::ContactSettings contact;          // for the whole axial depth
-  double filling_stiffness = 1e7;        // N/m, whole axial depth
-  dda::SolverSettings solver;            // during the rotation
+  dda::ContactSettings contact;    // for the whole axial depth
+  double filling_stiffness = 1e7;  // N/m, whole axial depth
+  dda::SolverSettings solver;      // during the rotation
   double filling_tolerance = 1e-3;
   double gravity = 9.81;
 
@@ -30,13 +30,13 @@ struct DischargePlan {
   double filling_time_step = 2e-4;
 
   double pulley_radius = 0.5;
-  double rotation_rate = 0;               // rad/s; 0 with rademacher_ka
-  std::optional<double> rademacher_ka;    // omega = sqrt(Ka g / |cg|) after the filling
-  double run_up = 0;                      // m
+  double rotation_rate = 0;             // rad/s; 0 with rademacher_ka
+  std::optional<double> rademacher_ka;  // omega = sqrt(Ka g / |cg|) after the filling
+  double run_up = 0;                    // m
   bool starts_with_belt_velocity = false;
   double time_step = 2e-4;
   double end_angle = 3.14159265358979323846;  // rad, where f1..f4 are measured
-  std::optional<double> duration;         // s, instead of end_angle
+  std::optional<double> duration;             // s, instead of end_angle
 };
 
 // Throws std::invalid_argument for what is no discharge or not built.

@@ -17,14 +17,14 @@ struct DischargeRecord {
   std::size_t initial_count = 0;  // N0
   double initial_mass = 0;        // kg
   double rademacher_ka = 0;
-  bool settled = true;            // the filling came to rest
+  bool settled = true;  // the filling came to rest
 
   std::vector<double> sample_time, sample_angle_deg, sample_remaining, sample_cg_x, sample_cg_y;
   double next_sample_deg = 0;
 
-  std::vector<double> landing_x;          // per disk, NaN until it lands
+  std::vector<double> landing_x;            // per disk, NaN until it lands
   std::vector<std::uint8_t> landed_inside;  // per disk: still in the bucket as it passed the level
-  bool ended = false;                     // the end angle was reached
+  bool ended = false;                       // the end angle was reached
   std::vector<measure::FlyingDisk> flying_at_end;
   double remaining_at_end = 0;
   double discharged_mass = 0;  // kg

@@ -14,12 +14,12 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kSettledShare = 1e-6;        // kinetic energy / its peak (PHYSICS section E 3)
-constexpr double kLongestFilling = 5;         // s, then the run goes on with a warning
-constexpr double kExpectedFilling = 0.8;      // s, for the progress bar only
-constexpr double kLongestLanding = 5;         // s after the end angle
-constexpr double kHopelessOverlap = 1.0;      // overlap / smallest radius: disks pass through
-constexpr double kFillingShare = 0.5;         // of the progress bar
+constexpr double kSettledShare = 1e-6;    // kinetic energy / its peak (PHYSICS section E 3)
+constexpr double kLongestFilling = 5;     // s, then the run goes on with a warning
+constexpr double kExpectedFilling = 0.8;  // s, for the progress bar only
+constexpr double kLongestLanding = 5;     // s after the end angle
+constexpr double kHopelessOverlap = 1.0;  // overlap / smallest radius: disks pass through
+constexpr double kFillingShare = 0.5;     // of the progress bar
 constexpr double kRotationShare = 0.45;
 
 // A step near `wanted` of which `duration` is a whole multiple.
@@ -132,9 +132,9 @@ void DischargeSimulation::begin_motion() {
     record_.initial_mass += 1 / v.inverse_mass;
     if (!moves_with_belt) continue;
     if (plan_.run_up > 0) pose.y -= plan_.run_up;
-    v = plan_.starts_with_belt_velocity
-            ? dda::DiskMotion{0, belt_speed, 0, v.inverse_mass}
-            : dda::DiskMotion{omega * pose.y, -omega * pose.x, -omega * pose.radius, v.inverse_mass};
+    v = plan_.starts_with_belt_velocity ? dda::DiskMotion{0, belt_speed, 0, v.inverse_mass}
+                                        : dda::DiskMotion{omega * pose.y, -omega * pose.x,
+                                                          -omega * pose.radius, v.inverse_mass};
   }
   record_.landing_x.assign(system_.disks.count(), std::numeric_limits<double>::quiet_NaN());
   record_.landed_inside.assign(system_.disks.count(), 0);
@@ -186,13 +186,15 @@ void DischargeSimulation::after_rotation_step() {
 void DischargeSimulation::after_step() {
   system_.time = phase_start_ + static_cast<double>(++phase_steps_) * system_.time_step;
   switch (phase_) {
-    case DischargePhase::filling: return after_filling_step();
+    case DischargePhase::filling:
+      return after_filling_step();
     case DischargePhase::run_up:
       if (system_.time < -0.5 * system_.time_step) return;
       start_phase(DischargePhase::rotation, 0, fitting_step(end_time(), plan_.time_step));
       sample_discharge(system_, *plan_.bucket, true, record_);
       return;
-    case DischargePhase::rotation: return after_rotation_step();
+    case DischargePhase::rotation:
+      return after_rotation_step();
     case DischargePhase::landing: {
       note_landings(system_, *plan_.bucket, landing_level(), record_);
       const auto& landed = system_.disks.landed;
@@ -201,16 +203,21 @@ void DischargeSimulation::after_step() {
         start_phase(DischargePhase::finished, system_.time, system_.time_step);
       return;
     }
-    case DischargePhase::finished: return;
+    case DischargePhase::finished:
+      return;
   }
 }
 
 std::optional<core::Rejection> DischargeSimulation::check_sentinels() const {
   if (!std::isfinite(system_.report.kinetic_energy))
-    return core::Rejection{shown_time(), "the velocities are no longer finite", {},
+    return core::Rejection{shown_time(),
+                           "the velocities are no longer finite",
+                           {},
                            "use a smaller discharge.time_step_s"};
   if (system_.report.worst_overlap > kHopelessOverlap * smallest_radius(system_.disks))
-    return core::Rejection{shown_time(), "two bodies overlap by more than a radius", {},
+    return core::Rejection{shown_time(),
+                           "two bodies overlap by more than a radius",
+                           {},
                            "use a smaller discharge.time_step_s or a larger "
                            "discharge.penalty.stiffness_n_per_m"};
   return {};
@@ -233,8 +240,9 @@ core::AdvanceOutcome DischargeSimulation::advance(double until_time_s, std::uint
 double DischargeSimulation::longest_run_up() const {
   if (plan_.run_up == 0) return 0;
   const double slowest =
-      plan_.rademacher_ka ? std::sqrt(*plan_.rademacher_ka * plan_.gravity / (10 * plan_.pulley_radius))
-                          : plan_.rotation_rate;
+      plan_.rademacher_ka
+          ? std::sqrt(*plan_.rademacher_ka * plan_.gravity / (10 * plan_.pulley_radius))
+          : plan_.rotation_rate;
   return slowest > 0 ? plan_.run_up / (slowest * plan_.pulley_radius) : 0;
 }
 
@@ -251,13 +259,19 @@ core::SimulationProgress DischargeSimulation::progress() const {
     case DischargePhase::filling:
       progress.fraction = kFillingShare * std::min(1.0, system_.time / kExpectedFilling);
       break;
-    case DischargePhase::run_up: progress.fraction = filling; break;
+    case DischargePhase::run_up:
+      progress.fraction = filling;
+      break;
     case DischargePhase::rotation:
       progress.fraction =
           filling + (has_landing() ? kRotationShare : 1 - filling) * system_.time / end_time();
       break;
-    case DischargePhase::landing: progress.fraction = filling + kRotationShare; break;
-    case DischargePhase::finished: progress.fraction = 1; break;
+    case DischargePhase::landing:
+      progress.fraction = filling + kRotationShare;
+      break;
+    case DischargePhase::finished:
+      progress.fraction = 1;
+      break;
   }
   progress.phase = to_string(phase_);
   progress.time_s = shown_time();
@@ -275,8 +289,8 @@ core::SimulationProgress DischargeSimulation::progress() const {
 std::vector<core::PhaseSeconds> DischargeSimulation::profile() const {
   std::vector<core::PhaseSeconds> profile;
   for (std::size_t k = 0; k < dda::kStepPhaseCount; ++k)
-    profile.push_back({std::string(to_string(static_cast<dda::StepPhase>(k))),
-                       system_.phase_seconds[k]});
+    profile.push_back(
+        {std::string(to_string(static_cast<dda::StepPhase>(k))), system_.phase_seconds[k]});
   return profile;
 }
 

@@ -45,7 +45,7 @@ class DischargeSimulation : public core::Simulation {
   void after_filling_step();
   void after_rotation_step();
   std::optional<core::Rejection> check_sentinels() const;
-  double end_time() const;      // of the rotation
+  double end_time() const;  // of the rotation
   double shown_time() const;
   double longest_run_up() const;
   bool has_landing() const;
@@ -55,7 +55,7 @@ class DischargeSimulation : public core::Simulation {
   dda::System system_;
   DischargeRecord record_;
   DischargePhase phase_ = DischargePhase::filling;
-  double phase_start_ = 0;          // system time at the start of the phase
+  double phase_start_ = 0;  // system time at the start of the phase
   std::uint64_t phase_steps_ = 0;
   double peak_kinetic_energy_ = 0;  // of the filling
   std::optional<core::State> filling_;

@@ -1,6 +1,6 @@
 // Checkpoint and stored filling of a discharge as named columns. Restoring gives every bit back:
-// disks, candidate lists in their coloured order with the forces in them, the path prediction of the
-// neighbour lists, counters, ledger and record.
+// disks, candidate lists in their coloured order with the forces in them, the path prediction of
+// the neighbour lists, counters, ledger and record.
 #include <algorithm>
 #include <span>
 #include <stdexcept>
@@ -27,7 +27,8 @@ template <typename Record, typename Vector>
 void get_records(const State& state, const std::string& name, Vector& records) {
   const std::vector<double> numbers = state.get<double>(name);
   constexpr std::size_t width = sizeof(Record) / sizeof(double);
-  if (numbers.size() % width != 0) throw std::runtime_error("state: " + name + " has a wrong width");
+  if (numbers.size() % width != 0)
+    throw std::runtime_error("state: " + name + " has a wrong width");
   records.resize(numbers.size() / width);
   std::memcpy(static_cast<void*>(records.data()), numbers.data(), numbers.size() * sizeof(double));
 }
@@ -97,8 +98,8 @@ void get_ledger(const State& state, core::EnergyLedger& ledger) {
 }
 
 // The contacts of a list that carry force, between disks that are kept (new_index >= 0).
-dda::CandidateList carrying(const dda::CandidateList& list, const std::vector<std::int32_t>& new_index,
-                            bool second_is_disk) {
+dda::CandidateList carrying(const dda::CandidateList& list,
+                            const std::vector<std::int32_t>& new_index, bool second_is_disk) {
   dda::CandidateList kept;
   for (std::size_t s = 0; s < list.size(); ++s) {
     if (list.normal_force[s] == 0) continue;

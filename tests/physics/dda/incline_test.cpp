@@ -1,0 +1,58 @@
+// Claim: a disk on an incline rolls with a = 2/3 g sin(theta) while tan(theta) < 3 mu, and beyond
+//   slips with a = g (sin - mu cos) while its spin grows with r alpha = 2 mu g cos(theta).
+// Method: 4 mm disk, mu = tan 10 deg, K = 1e7 N/m, dt = 1e-3 s, 0.2 s, against the plane's angle.
+// Reference: PHYSICS A2: 2.23681 (20 deg, rolls); 3.40698 and 2.99605 (30 deg, slips).
+// Tolerance: 1e-6 rolling, 1e-3 slipping (A2, A5). The transient is one elastic stretch of the
+//   springs: mu m g / K = 1e-9 m against a path of 4e-2 m.
+// Seconds: < 0.1
+#include <gtest/gtest.h>
+
+#include "tests/physics/dda/textbook.h"
+
+namespace granary::dda {
+namespace {
+
+struct Downhill {
+  double acceleration, spin_acceleration;  // m/s2; the second at the surface
+};
+
+Downhill measure(double slope_deg) {
+  const double angle = radians(slope_deg), radius = 0.002;
+  System system;
+  system.time_step = 1e-3;
+  system.contact.friction_walls = std::tan(radians(10));
+  system.solver.tolerance = 1e-12;
+  add_plane(system, angle, 2);
+  add_disk(system, {-radius * std::sin(angle), radius * std::cos(angle)}, radius, 1000);
+  reset_contacts(system);
+  run(system, 0.1);
+  const DiskMotion early = system.disks.motion[0];
+  run(system, 0.2);
+  const DiskMotion late = system.disks.motion[0];
+  const Vec2 gain{late.vx - early.vx, late.vy - early.vy};
+  return {-dot(gain, {std::cos(angle), std::sin(angle)}) / 0.2,
+          (late.surface_speed - early.surface_speed) / 0.2};
+}
+
+TEST(Incline, disk_rolls_below_the_slip_boundary) {
+  const Downhill motion = measure(20);
+  EXPECT_NEAR(motion.acceleration, 2.0 / 3 * 9.81 * std::sin(radians(20)), 2.2e-6);
+  EXPECT_NEAR(motion.acceleration, 2.23681, 5e-6);
+  EXPECT_NEAR(motion.spin_acceleration, motion.acceleration, 2.2e-6);
+}
+
+TEST(Incline, disk_slips_and_spins_above_the_slip_boundary) {
+  const Downhill motion = measure(30);
+  EXPECT_NEAR(motion.acceleration, 3.40698, 3.4e-3);
+  EXPECT_NEAR(motion.spin_acceleration, 2.99605, 3.0e-3);
+}
+
+TEST(Incline, boundary_between_rolling_and_slipping_is_tan_theta_equal_three_mu) {
+  const double boundary = 27.88;  // deg, A2
+  const Downhill below = measure(boundary - 0.5), above = measure(boundary + 0.5);
+  EXPECT_NEAR(below.spin_acceleration / below.acceleration, 1, 1e-5);
+  EXPECT_LT(above.spin_acceleration / above.acceleration, 0.99);
+}
+
+}  // namespace
+}  // namespace granary::dda
