@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "client/commands/catalogue.h"
-#include "client/session/sha256.h"
+#include "client/session/file_checksum.h"
 
 namespace granary::commands {
 namespace {

@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "client/session/backoff.h"
-#include "client/session/sha256.h"
+#include "client/session/file_checksum.h"
 
 namespace granary::session {
 namespace {

@@ -1,7 +1,7 @@
 // fetch and verify: resumed, checked, never overwriting.
 #include <filesystem>
 
-#include "proto/contract/resolve.h"
+#include "proto/contract/sha256.h"
 #include "tests/support/client_fixture.h"
 
 namespace granary::test {
