@@ -42,6 +42,7 @@ struct Options {
   std::string verify_file;
   std::string salvage_directory;
   std::string engine_directory;
+  int parent = 0;
   agent::AgentConfig agent;
   std::string log_level = "info";
 };
@@ -69,6 +70,7 @@ void declare(CLI::App& app, Options& options) {
                  "make a result file (-o) of the frames in the .parts of an unfinished run")
       ->needs("--output");
   app.add_option("--engine", options.engine_directory)->group("");
+  app.add_option("--parent", options.parent)->group("");
   app.footer("Example: granary-worker --scene tests/scenes/discharge_small.txtpb --set seed=2 -o small.h5");
 }
 
@@ -86,7 +88,7 @@ int serve(Options& options) {
 
 int run_program(Options& options) {
   if (!options.engine_directory.empty())
-    return run::run_engine_process(options.engine_directory, engine_build());
+    return run::run_engine_process(options.engine_directory, options.parent, engine_build());
   if (!options.verify_file.empty()) return run::verify_console(options.verify_file);
   if (!options.salvage_directory.empty())
     return run::salvage_console(options.salvage_directory, options.console.output_file);

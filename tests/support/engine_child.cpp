@@ -33,7 +33,8 @@ std::filesystem::path log_path(const std::filesystem::path& directory) { return 
   dup2(out, STDOUT_FILENO);
   const int log = open(log_path(directory).c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
   dup2(log, STDERR_FILENO);
-  execl(program.c_str(), program.c_str(), directory.c_str(), nullptr);
+  const std::string parent = std::to_string(getppid());
+  execl(program.c_str(), program.c_str(), directory.c_str(), parent.c_str(), nullptr);
   _exit(127);
 }
 

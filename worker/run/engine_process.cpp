@@ -23,9 +23,12 @@ constexpr int kExitNoOutcome = 1;   // DIR/finished.pb could not be written
 constexpr std::size_t kAtomicPipeBytes = 4096;  // PIPE_BUF: a write up to this is never torn
 
 // Dies with its parent. The kernel sends the signal when the *thread* that forked ends, so a parent
-// must fork from a thread that outlives the engine. A parent that died before this call is noticed
-// by the first progress event, which nobody reads.
-void tie_to_parent() { prctl(PR_SET_PDEATHSIG, SIGKILL); }
+// must fork from a thread that outlives the engine. False when the parent died before the call.
+bool tie_to_parent(pid_t parent) {
+  if (parent == 0) return true;
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  return getppid() == parent;
+}
 
 class ProgressPipe {
  public:
@@ -104,8 +107,8 @@ bool may_resume(v1::TaskFinished::Outcome outcome) {
 
 }  // namespace
 
-int run_engine_process(const storage::Path& directory, const EngineBuild& build) {
-  tie_to_parent();
+int run_engine_process(const storage::Path& directory, pid_t parent, const EngineBuild& build) {
+  if (!tie_to_parent(parent)) return kExitNoOutcome;
   listen_to_stop_signals(StopRequest::cancel, StopRequest::release);
   const Result<v1::TaskAssignment> assignment = read_assignment(directory / "task.pb");
   if (!assignment) {

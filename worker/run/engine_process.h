@@ -14,12 +14,15 @@
 // SIGTERM: checkpoint, then RELEASED. SIGINT: CANCELLED. Parent dead (or nobody reads the pipe): end.
 #pragma once
 
+#include <sys/types.h>
+
 #include "worker/run/task_setup.h"
 #include "worker/storage/file_system.h"
 
 namespace granary::run {
 
 // Returns the exit code: 0 once DIR/finished.pb is written, whatever the outcome in it.
-int run_engine_process(const storage::Path& directory, const EngineBuild& build);
+// `parent` is the process that must stay alive, 0 when nobody minds.
+int run_engine_process(const storage::Path& directory, pid_t parent, const EngineBuild& build);
 
 }  // namespace granary::run

@@ -48,6 +48,22 @@ TEST(FrameSchedule, does_not_depend_on_chunks) {
     EXPECT_LT(fine[i] - 0.0137 * static_cast<double>(i), 3e-4) << "later than the first step after its time";
 }
 
+TEST(FrameSchedule, covers_the_main_phase_unless_an_interval_is_named) {
+  FrameSchedule schedule{v1::Output{}};
+  schedule.update(0, 1.0);
+  for (int i = 0; i <= 100; ++i) schedule.taken(0.01 * i);
+  EXPECT_FALSE(schedule.due(1.5));
+  EXPECT_FALSE(schedule.final_frame_due(1.5));
+  EXPECT_EQ(schedule.limit_s(), INFINITY);
+  v1::Output named;
+  named.set_frame_interval_s(0.01);
+  FrameSchedule all{named};
+  all.update(0, 1.0);
+  all.taken(1.0);
+  EXPECT_TRUE(all.due(1.5));
+  EXPECT_TRUE(all.final_frame_due(1.5));
+}
+
 TEST(FrameSchedule, takes_none_during_filling) {
   EXPECT_EQ(frame_times({}, 1.0, 1e-3, 10, 500).front(), 0);
 }

@@ -18,7 +18,7 @@ RunRecord sample() {
   record.first.series = {{"cg", {core::make_column<double>("time_s", "s", std::vector<double>{1, 2})}}};
   record.first.warnings = {"one", "two"};
   record.first.effect_evaluations = {{"gas", 0}, {"cohesion", 17}};
-  record.frames = {true, 0.25, 7, 1.75, 1.5};
+  record.frames = {true, 0.25, 10, 7, 1.75, 1.5};
   record.costs.cpu_s = 9.5;
   record.costs.steps = 1000;
   return record;
