@@ -23,11 +23,11 @@ constexpr int kExitNoOutcome = 1;   // DIR/finished.pb could not be written
 constexpr std::size_t kAtomicPipeBytes = 4096;  // PIPE_BUF: a write up to this is never torn
 
 // Dies with its parent. The kernel sends the signal when the *thread* that forked ends, so a parent
-// must fork from a thread that lives as long as it does.
+// must fork from a thread that outlives the engine. False when the parent died before the call.
 bool tie_to_parent(pid_t parent) {
   if (parent == 0) return true;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  return getppid() == parent;  // it may have died before the call
+  return getppid() == parent;
 }
 
 class ProgressPipe {

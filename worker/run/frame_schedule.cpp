@@ -20,15 +20,20 @@ void FrameSchedule::update(double time_s, double end_time_s) {
   state_.started = true;
   state_.interval_s = interval_of(output_, end_time_s);
   state_.next_time_s = 0;
+  // Half an interval of slack: the last multiple may come out a rounding error beyond the end.
+  state_.last_due_s = output_.has_frame_interval_s() ? std::numeric_limits<double>::infinity()
+                                                     : end_time_s + 0.5 * state_.interval_s;
 }
 
 bool FrameSchedule::due(double time_s) const {
-  return state_.started && state_.interval_s > 0 && time_s >= state_.next_time_s;
+  return state_.started && state_.interval_s > 0 && time_s >= state_.next_time_s &&
+         state_.next_time_s <= state_.last_due_s;
 }
 
 double FrameSchedule::limit_s() const {
   if (!state_.started) return 0;  // stop exactly where the main phase begins
-  return state_.interval_s > 0 ? state_.next_time_s : std::numeric_limits<double>::infinity();
+  const bool more = state_.interval_s > 0 && state_.next_time_s <= state_.last_due_s;
+  return more ? state_.next_time_s : std::numeric_limits<double>::infinity();
 }
 
 void FrameSchedule::taken(double time_s) {
@@ -40,7 +45,8 @@ void FrameSchedule::taken(double time_s) {
 }
 
 bool FrameSchedule::final_frame_due(double time_s) const {
-  return state_.started && state_.interval_s > 0 && time_s > state_.last_time_s;
+  return state_.started && state_.interval_s > 0 && time_s > state_.last_time_s &&
+         time_s <= state_.last_due_s;
 }
 
 }  // namespace granary::run

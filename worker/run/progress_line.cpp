@@ -37,8 +37,10 @@ std::string duration_text(double seconds) {
 std::string progress_text(const v1::Progress& progress) {
   std::string text = bar(std::clamp(progress.fraction(), 0.0, 1.0));
   text += format(" %3.0f %%  %s", 100 * progress.fraction(), progress.phase().c_str());
-  if (progress.time_s() >= 0)
-    text += format(" t = %.3g of %.3g s", progress.time_s(), progress.end_time_s());
+  if (progress.time_s() >= 0) text += format(" t = %.3g", progress.time_s());
+  if (progress.time_s() >= 0 && progress.time_s() <= progress.end_time_s())
+    text += format(" of %.3g", progress.end_time_s());
+  if (progress.time_s() >= 0) text += " s";
   text += format("  %llu particles, %llu contacts",
                  static_cast<unsigned long long>(progress.particles()),
                  static_cast<unsigned long long>(progress.contacts()));

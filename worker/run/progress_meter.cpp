@@ -14,11 +14,10 @@ double ProgressMeter::remaining_s(double fraction, double now_s) {
   return done > 0 ? (now_s - start_s_) / done * (1 - fraction) : 0;
 }
 
-v1::Progress ProgressMeter::take(const core::Simulation& simulation, std::uint32_t replicate,
+v1::Progress ProgressMeter::take(const core::SimulationProgress& now, std::uint32_t replicate,
                                  double now_s, double engine_seconds,
                                  std::uint64_t particle_steps) {
   pacer_.note(now_s);
-  const core::SimulationProgress now = simulation.progress();
   v1::Progress message;
   const double fraction = (replicate + std::clamp(now.fraction, 0.0, 1.0)) / replicates_;
   message.set_fraction(fraction);
@@ -31,7 +30,6 @@ v1::Progress ProgressMeter::take(const core::Simulation& simulation, std::uint32
   if (particle_steps > 0)
     message.set_ns_per_particle_step(1e9 * engine_seconds / static_cast<double>(particle_steps));
   message.set_eta_s(remaining_s(fraction, now_s));
-  message.set_ledger_remainder_ratio(simulation.ledger().remainder_ratio());
   for (const auto& [name, value] : now.current_values)
     if (std::isfinite(value)) (*message.mutable_current_values())[name] = value;
   message.set_replicate(replicate);

@@ -15,8 +15,8 @@ class ProgressMeter {
 
   bool due(double now_s) const { return pacer_.due(now_s); }
   // `engine_seconds` and `particle_steps` are of this attempt: their ratio is the speed shown.
-  v1::Progress take(const core::Simulation& simulation, std::uint32_t replicate, double now_s,
-                    double engine_seconds, std::uint64_t particle_steps);
+  v1::Progress take(const core::SimulationProgress& simulation, std::uint32_t replicate,
+                    double now_s, double engine_seconds, std::uint64_t particle_steps);
 
  private:
   double remaining_s(double fraction, double now_s);

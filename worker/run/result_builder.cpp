@@ -28,12 +28,11 @@ v1::Cost cost_message(const RunCosts& costs, std::uint32_t threads) {
   cost.set_reused_s(costs.reused_s);
   cost.set_steps(costs.steps);
   cost.set_particle_steps(costs.particle_steps);
-  if (costs.particle_steps > 0)
-    cost.set_ns_per_particle_step(1e9 * engine_seconds(costs, threads) /
-                                  static_cast<double>(costs.particle_steps));
-  if (costs.contact_samples > 0)
-    cost.set_contacts_per_particle(costs.contacts_per_particle_sum /
-                                   static_cast<double>(costs.contact_samples));
+  if (costs.particle_steps > 0) {
+    const double particle_steps = static_cast<double>(costs.particle_steps);
+    cost.set_ns_per_particle_step(1e9 * engine_seconds(costs, threads) / particle_steps);
+    cost.set_contacts_per_particle(costs.contacts_per_particle_sum / particle_steps);
+  }
   cost.set_threads(threads);
   cost.set_peak_rss_bytes(costs.peak_rss_bytes);
   return cost;

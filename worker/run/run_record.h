@@ -22,8 +22,7 @@ struct RunCosts {
   std::uint64_t peak_rss_bytes = 0;
   std::uint64_t steps = 0;
   std::uint64_t particle_steps = 0;
-  double contacts_per_particle_sum = 0;  // over samples taken at frames
-  std::uint64_t contact_samples = 0;
+  double contacts_per_particle_sum = 0;  // seen at the end of each chunk, times its particle steps
 };
 
 struct RunRecord {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <new>
 #include <stdexcept>
+#include <utility>
 
 #include "worker/run/cost_clock.h"
 #include "worker/run/frame_schedule.h"
@@ -58,7 +59,8 @@ class TaskRun {
       schedule_.restore(record_.frames);
       simulation_ = make_simulation(nullptr);
       simulation_->restore(resumed.engine);
-      callbacks_.log("resumed at t = " + std::to_string(simulation_->progress().time_s) + " s");
+      now_ = simulation_->progress();
+      callbacks_.log("resumed at t = " + std::to_string(now_.time_s) + " s");
     } catch (const std::runtime_error& error) {
       callbacks_.log(std::string("checkpoint not usable, starting over: ") + error.what());
       storage_.start_over();
@@ -66,7 +68,7 @@ class TaskRun {
       schedule_.restore({});
       simulation_.reset();
     }
-    particle_steps_before_ = simulation_ ? simulation_->progress().particle_steps : 0;
+    particle_steps_before_ = simulation_ ? now_.particle_steps : 0;
     engine_wall_before_s_ = record_.costs.engine_wall_s;
   }
 
@@ -77,6 +79,7 @@ class TaskRun {
     simulation_ = make_simulation(filling ? &filling->state : nullptr);
     if (filling) record_.costs.reused_s += filling->cpu_s;
     filling_done_ = filling.has_value();
+    now_ = simulation_->progress();
     chunk_ = {};
     particle_steps_before_ = 0;
   }
@@ -109,14 +112,9 @@ class TaskRun {
   core::AdvanceStatus advance_chunk() {
     const double limit_s =
         keeps_frames() ? schedule_.limit_s() : std::numeric_limits<double>::infinity();
-    const std::uint64_t steps_before = simulation_->progress().steps;
     const CostTimer timer;
     const core::AdvanceOutcome outcome = simulation_->advance(limit_s, chunk_.steps());
-    const double seconds = timer.wall_s();
-    record_.costs.engine_wall_s += seconds;
-    record_.costs.engine_cpu_s += timer.cpu_s();
-    const std::uint64_t steps = simulation_->progress().steps - steps_before;
-    chunk_.note(steps, seconds);
+    const std::uint64_t steps = note_chunk(timer);
     if (outcome.status == core::AdvanceStatus::advanced && steps == 0)
       throw std::logic_error("the engine does not advance");
     if (outcome.status == core::AdvanceStatus::rejected) rejection_ = outcome.rejection;
@@ -125,33 +123,45 @@ class TaskRun {
     return outcome.status;
   }
 
+  // Books what the chunk cost; returns its steps.
+  std::uint64_t note_chunk(const CostTimer& timer) {
+    const double seconds = timer.wall_s();
+    record_.costs.engine_wall_s += seconds;
+    record_.costs.engine_cpu_s += timer.cpu_s();
+    const core::SimulationProgress before = std::exchange(now_, simulation_->progress());
+    if (now_.particles > 0)
+      record_.costs.contacts_per_particle_sum +=
+          static_cast<double>(now_.particle_steps - before.particle_steps) *
+          static_cast<double>(now_.contacts) / static_cast<double>(now_.particles);
+    const std::uint64_t steps = now_.steps - before.steps;
+    chunk_.note(steps, seconds);
+    return steps;
+  }
+
   bool check_energies() {
     if (ledger_is_finite(simulation_->ledger())) {
       last_good_ledger_ = simulation_->ledger();
       return true;
     }
-    const double time_s = simulation_->progress().time_s;
     const auto where = find_non_finite(simulation_->physical_state());
-    rejection_ = rejection_of(where.value_or(NonFinite{"an energy", 0}), time_s);
+    rejection_ = rejection_of(where.value_or(NonFinite{"an energy", 0}), now_.time_s);
     return false;
   }
 
   void keep_due_frame() {
-    const core::SimulationProgress now = simulation_->progress();
     if (!keeps_frames()) return;
-    schedule_.update(now.time_s, now.end_time_s);
-    if (schedule_.due(now.time_s)) keep_frame(now);
+    schedule_.update(now_.time_s, now_.end_time_s);
+    if (schedule_.due(now_.time_s)) keep_frame();
   }
 
-  void keep_frame(const core::SimulationProgress& now) {
-    std::vector<core::ColumnView> columns = wanted_columns(simulation_->frame());
+  void keep_frame() {
+    const std::vector<core::ColumnView> columns = wanted_columns(simulation_->frame());
     if (const auto where = find_non_finite(columns)) {
-      rejection_ = rejection_of(*where, now.time_s);
+      rejection_ = rejection_of(*where, now_.time_s);
       return;
     }
-    storage_.append_frame({schedule_.state().next_index, now.time_s, now.phase, columns});
-    schedule_.taken(now.time_s);
-    sample_contacts(now);
+    storage_.append_frame({schedule_.state().next_index, now_.time_s, now_.phase, columns});
+    schedule_.taken(now_.time_s);
   }
 
   std::vector<core::ColumnView> wanted_columns(std::vector<core::ColumnView> columns) const {
@@ -161,13 +171,6 @@ class TaskRun {
         return std::find(fields.begin(), fields.end(), column.name) == fields.end();
       });
     return columns;
-  }
-
-  void sample_contacts(const core::SimulationProgress& now) {
-    if (now.particles == 0) return;
-    record_.costs.contacts_per_particle_sum +=
-        static_cast<double>(now.contacts) / static_cast<double>(now.particles);
-    ++record_.costs.contact_samples;
   }
 
   std::optional<Ending> stop_asked_for() const {
@@ -182,14 +185,10 @@ class TaskRun {
 
   // The scenario is over: the last state is kept, and must be made of numbers.
   Ending close_replicate() {
-    const core::SimulationProgress now = simulation_->progress();
-    if (keeps_frames()) {
-      schedule_.update(now.time_s, now.end_time_s);
-      if (schedule_.final_frame_due(now.time_s)) keep_frame(now);
-    }
-    if (record_.costs.contact_samples == 0) sample_contacts(now);
+    keep_due_frame();
+    if (keeps_frames() && !rejection_ && schedule_.final_frame_due(now_.time_s)) keep_frame();
     if (const auto where = find_non_finite(simulation_->physical_state()))
-      rejection_ = rejection_of(*where, now.time_s);
+      rejection_ = rejection_of(*where, now_.time_s);
     return rejection_ ? Ending::rejected : Ending::finished;
   }
 
@@ -208,10 +207,9 @@ class TaskRun {
 
   // Counters of a simulation that goes away are added to the task's.
   void fold_simulation() {
-    const core::SimulationProgress now = simulation_->progress();
-    record_.costs.steps += now.steps;
-    record_.costs.particle_steps += now.particle_steps;
-    particle_steps_done_ += now.particle_steps - particle_steps_before_;
+    record_.costs.steps += now_.steps;
+    record_.costs.particle_steps += now_.particle_steps;
+    particle_steps_done_ += now_.particle_steps - particle_steps_before_;
     for (const core::PhaseSeconds& phase : simulation_->profile()) add_phase(phase);
   }
 
@@ -227,12 +225,13 @@ class TaskRun {
   // ---- on the way
 
   void report_progress() {
-    const core::SimulationProgress now = simulation_->progress();
     const std::uint64_t particle_steps =
-        particle_steps_done_ + now.particle_steps - particle_steps_before_;
-    callbacks_.progress(meter_.take(*simulation_, replicate(), wall_now_s(),
-                                    record_.costs.engine_wall_s - engine_wall_before_s_,
-                                    particle_steps));
+        particle_steps_done_ + now_.particle_steps - particle_steps_before_;
+    v1::Progress progress =
+        meter_.take(now_, replicate(), wall_now_s(),
+                    record_.costs.engine_wall_s - engine_wall_before_s_, particle_steps);
+    progress.set_ledger_remainder_ratio(last_good_ledger_.remainder_ratio());
+    callbacks_.progress(progress);
   }
 
   void save_checkpoint() {
@@ -329,6 +328,7 @@ class TaskRun {
 
   RunRecord record_;
   std::unique_ptr<core::Simulation> simulation_;
+  core::SimulationProgress now_;  // of simulation_; asking is not free
   std::optional<core::Rejection> rejection_;
   core::EnergyLedger last_good_ledger_;
   bool filling_done_ = false;

@@ -1,5 +1,6 @@
 #include "worker/storage/checkpoint.h"
 
+#include <algorithm>
 #include <array>
 
 #include "worker/storage/checksum.h"
@@ -82,6 +83,14 @@ std::vector<SegmentInfo> decode_segments(ByteReader in) {
   return segments;
 }
 
+constexpr std::size_t kChecksumSectionBytes = 24;
+
+Bytes checksum_section(std::span<const std::byte> body) {
+  Bytes section;
+  put_section(section, tag("CSUM"), [&](Bytes& out) { ByteWriter(out).put(xxh3(body)); });
+  return section;
+}
+
 Bytes encode(const Checkpoint& checkpoint) {
   Bytes bytes;
   ByteWriter(bytes).put_bytes(std::as_bytes(std::span(kMagic)));
@@ -89,12 +98,10 @@ Bytes encode(const Checkpoint& checkpoint) {
   put_section(bytes, tag("SEGM"), [&](Bytes& out) { encode_segments(out, checkpoint.segments); });
   put_section(bytes, tag("RUNS"), [&](Bytes& out) { ByteWriter(out).put_bytes(checkpoint.run); });
   put_section(bytes, tag("ENGI"), [&](Bytes& out) { encode_state(out, checkpoint.engine); });
-  const std::uint64_t checksum = xxh3(bytes);
-  put_section(bytes, tag("CSUM"), [&](Bytes& out) { ByteWriter(out).put(checksum); });
+  const Bytes checksum = checksum_section(bytes);
+  ByteWriter(bytes).put_bytes(checksum);
   return bytes;
 }
-
-constexpr std::size_t kChecksumSectionBytes = 24;
 
 // The body without the checksum section, once the checksum has proved right.
 std::span<const std::byte> checked_body(const Bytes& bytes, const Path& path) {
@@ -102,8 +109,8 @@ std::span<const std::byte> checked_body(const Bytes& bytes, const Path& path) {
   if (bytes.size() < kMagic.size() + kChecksumSectionBytes) throw damaged;
   const std::span<const std::byte> all(bytes);
   const auto body = all.first(bytes.size() - kChecksumSectionBytes);
-  ByteReader tail(all.last(kChecksumSectionBytes));
-  if (take_section(tail, tag("CSUM")).get<std::uint64_t>() != xxh3(body)) throw damaged;
+  const Bytes expected = checksum_section(body);
+  if (!std::equal(expected.begin(), expected.end(), all.last(kChecksumSectionBytes).begin())) throw damaged;
   if (std::memcmp(body.data(), kMagic.data(), kMagic.size()) != 0) throw damaged;
   return body.subspan(kMagic.size());
 }
