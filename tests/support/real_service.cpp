@@ -18,22 +18,38 @@ bool eventually(const std::function<bool()>& holds, std::chrono::milliseconds pa
   return true;
 }
 
-std::vector<pid_t> children_with(pid_t parent, const std::string& text) {
+namespace {
+
+std::string file_start(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+pid_t parent_of(const std::filesystem::path& process) {
+  const std::string status = file_start(process / "status");
+  const auto at = status.find("PPid:");
+  return at == std::string::npos ? -1 : static_cast<pid_t>(std::stol(status.substr(at + 5)));
+}
+
+}  // namespace
+
+std::vector<pid_t> processes_with(const std::string& text) {
   std::vector<pid_t> found;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator("/proc", error)) {
     const std::string name = entry.path().filename();
     if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-    std::ifstream status(entry.path() / "status");
-    std::string line;
-    pid_t its_parent = -1;
-    while (std::getline(status, line))
-      if (line.rfind("PPid:", 0) == 0) its_parent = static_cast<pid_t>(std::stol(line.substr(5)));
-    std::ifstream command(entry.path() / "cmdline");
-    std::stringstream words;
-    words << command.rdbuf();
-    if (its_parent == parent && words.str().find(text) != std::string::npos) found.push_back(static_cast<pid_t>(std::stol(name)));
+    if (file_start(entry.path() / "cmdline").find(text) != std::string::npos)
+      found.push_back(static_cast<pid_t>(std::stol(name)));
   }
+  return found;
+}
+
+std::vector<pid_t> children_with(pid_t parent, const std::string& text) {
+  std::vector<pid_t> found = processes_with(text);
+  std::erase_if(found, [&](pid_t pid) { return parent_of("/proc/" + std::to_string(pid)) != parent; });
   return found;
 }
 

@@ -19,8 +19,9 @@ namespace granary::test {
 bool eventually(const std::function<bool()>& holds,
                 std::chrono::milliseconds patience = std::chrono::seconds(20));
 
-// Processes whose command line contains `text` and whose parent is `parent`.
+// Processes whose command line contains `text`; of one parent, or of any.
 std::vector<pid_t> children_with(pid_t parent, const std::string& text);
+std::vector<pid_t> processes_with(const std::string& text);
 bool is_alive(pid_t pid);
 
 class RealService : public testing::Test {
