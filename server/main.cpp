@@ -14,11 +14,14 @@
 namespace {
 
 volatile std::sig_atomic_t stop_signal = 0;
-void on_signal(int signal) { stop_signal = signal; }
+void on_signal(int signal) {
+  stop_signal = signal;
+}
 
 std::filesystem::path default_data() {
   if (const char* data = std::getenv("GRANARY_DATA")) return data;
-  if (const char* data = std::getenv("XDG_DATA_HOME")) return std::filesystem::path(data) / "granary";
+  if (const char* data = std::getenv("XDG_DATA_HOME"))
+    return std::filesystem::path(data) / "granary";
   const char* home = std::getenv("HOME");
   return std::filesystem::path(home ? home : ".") / ".local/share/granary";
 }
@@ -27,15 +30,21 @@ std::filesystem::path default_data() {
 
 int main(int argc, char** argv) {
   using granary::server::Server;
-  CLI::App app{"granaryd: the Granary server\n\nExample: granaryd --data /var/lib/granary --listen 127.0.0.1:7420"};
+  CLI::App app{
+      "granaryd: the Granary server\n\nExample: granaryd --data /var/lib/granary --listen "
+      "127.0.0.1:7420"};
   granary::server::ServerConfig config;
   config.data = default_data();
   config.listen = "127.0.0.1:7420";
   std::string log_level = "info";
-  app.add_option("--data", config.data, "data directory (database, artifacts)")->capture_default_str();
-  app.add_option("--listen", config.listen, "127.0.0.1:PORT (0 = any) or unix:PATH")->capture_default_str();
-  app.add_option("--idle-exit", config.idle_exit_s, "leave after this many seconds without use; 0 = stay");
-  app.add_option("--log-level", log_level, "debug, info, warn, error")->envname("GRANARY_LOG_LEVEL");
+  app.add_option("--data", config.data, "data directory (database, artifacts)")
+      ->capture_default_str();
+  app.add_option("--listen", config.listen, "127.0.0.1:PORT (0 = any) or unix:PATH")
+      ->capture_default_str();
+  app.add_option("--idle-exit", config.idle_exit_s,
+                 "leave after this many seconds without use; 0 = stay");
+  app.add_option("--log-level", log_level, "debug, info, warn, error")
+      ->envname("GRANARY_LOG_LEVEL");
   app.set_version_flag("--version", std::string("granaryd ") + granary::kProductVersion);
   try {
     app.parse(argc, argv);
@@ -57,7 +66,8 @@ int main(int argc, char** argv) {
   std::printf("listening on %s\n", (*server)->address().c_str());
   std::fflush(stdout);
   spdlog::info("event=start address={} data={}", (*server)->address(), config.data.string());
-  while (stop_signal == 0 && !(*server)->wants_to_exit()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  while (stop_signal == 0 && !(*server)->wants_to_exit())
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
   spdlog::info("event=drain reason={}", stop_signal ? "signal" : "idle");
   (*server)->drain();
   spdlog::info("event=exit");

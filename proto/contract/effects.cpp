@@ -24,8 +24,10 @@ v1::EffectReport report(bool said, Mode mode, const Numbers& numbers) {
   out.set_chosen_by(by_user ? "user" : "auto");
   if (numbers.number) out.set_number(*numbers.number);
   if (numbers.threshold) out.set_threshold(*numbers.threshold);
-  if (out.on()) out.set_omitted_error(0);
-  else if (numbers.omitted_error) out.set_omitted_error(*numbers.omitted_error);
+  if (out.on())
+    out.set_omitted_error(0);
+  else if (numbers.omitted_error)
+    out.set_omitted_error(*numbers.omitted_error);
   out.set_reason(numbers.reason);
   return out;
 }
@@ -108,16 +110,17 @@ ChuteFlow estimate_flow(const v1::Chute& c) {
   return flow;
 }
 
-// min(G, B): G = g L / (2 vt^2), the loss of one grain in still air; B = rho_g A v / (2 Q), what the
-// momentum of the air above a dense bed can take at most.
+// min(G, B): G = g L / (2 vt^2), the loss of one grain in still air; B = rho_g A v / (2 Q), what
+// the momentum of the air above a dense bed can take at most.
 Numbers chute_gas(const v1::Chute& c, double target) {
   const ChuteFlow flow = estimate_flow(c);
-  const double vt = terminal_velocity(c.particles(0).diameter_m(), c.particles(0).density_kg_per_m3(),
-                                      c.gas().density_kg_per_m3(), c.gas().viscosity_pa_s(), 9.81);
+  const double vt =
+      terminal_velocity(c.particles(0).diameter_m(), c.particles(0).density_kg_per_m3(),
+                        c.gas().density_kg_per_m3(), c.gas().viscosity_pa_s(), 9.81);
   double bound = c.gravity_m_per_s2() * c.length_m() / (2 * vt * vt);
   if (c.inlet().mass_flow_kg_per_s() > 0)
-    bound = std::min(bound, c.gas().density_kg_per_m3() * c.width_m() * c.depth_m() * flow.exit_speed /
-                                (2 * c.inlet().mass_flow_kg_per_s()));
+    bound = std::min(bound, c.gas().density_kg_per_m3() * c.width_m() * c.depth_m() *
+                                flow.exit_speed / (2 * c.inlet().mass_flow_kg_per_s()));
   Numbers n;
   n.number = bound;
   n.threshold = target;
@@ -133,9 +136,11 @@ Numbers chute_frame(const v1::Chute& c) {
   Numbers n;
   n.number = std::atan(2 * flow.omega * flow.exit_speed / c.gravity_m_per_s2()) * 180 / M_PI;
   n.threshold = 2;
-  n.wanted = flow.omega > 0;  // the exact answer costs little, so only a chute at rest leaves it out
+  n.wanted =
+      flow.omega > 0;  // the exact answer costs little, so only a chute at rest leaves it out
   n.omitted_error = flow.omega > 0 ? std::nullopt : std::optional<double>(0);
-  n.reason = flow.omega > 0 ? "Coriolis tilt of the free surface in degrees" : "the chute does not rotate";
+  n.reason =
+      flow.omega > 0 ? "Coriolis tilt of the free surface in degrees" : "the chute does not rotate";
   return n;
 }
 
@@ -163,7 +168,8 @@ Numbers chute_rotation(const v1::Chute& c) {
 Numbers chute_history(const v1::Chute& c) {
   const auto& pp = c.contact_pp();
   Numbers n = always("stick limit (7/2) mu (1 + e_n) / (1 + e_t) of vc/vn; no bound, stays on");
-  n.number = 3.5 * pp.friction_coefficient() * (1 + pp.normal_restitution()) / (1 + pp.tangential_restitution());
+  n.number = 3.5 * pp.friction_coefficient() * (1 + pp.normal_restitution()) /
+             (1 + pp.tangential_restitution());
   return n;
 }
 
@@ -185,7 +191,8 @@ double terminal_velocity(double diameter_m, double density, double gas_density, 
   double speed = density * gravity * diameter_m * diameter_m / (18 * viscosity);
   for (int i = 0; i < 200; ++i) {  // damped fixed point; 200 halvings are far below rounding
     const double reynolds = std::max(1e-12, gas_density * speed * diameter_m / viscosity);
-    const double drag = reynolds < 1000 ? 24 / reynolds * (1 + 0.15 * std::pow(reynolds, 0.687)) : 0.44;
+    const double drag =
+        reynolds < 1000 ? 24 / reynolds * (1 + 0.15 * std::pow(reynolds, 0.687)) : 0.44;
     const double next = std::sqrt(4 * density * gravity * diameter_m / (3 * gas_density * drag));
     speed = 0.5 * (speed + next);
   }
@@ -201,9 +208,11 @@ std::map<std::string, v1::EffectReport> decide_effects(const v1::Scene& scene) {
   if (scene.has_discharge()) {
     const v1::Discharge& d = scene.discharge();
     put("gas", e.has_gas(), e.gas(), discharge_gas(d));
-    put("rotating_frame", e.has_rotating_frame(), e.rotating_frame(), always("the bucket's walls move"));
+    put("rotating_frame", e.has_rotating_frame(), e.rotating_frame(),
+        always("the bucket's walls move"));
     put("rolling_friction", e.has_rolling_friction(), e.rolling_friction(), discharge_rolling(d));
-    put("particle_rotation", e.has_particle_rotation(), e.particle_rotation(), always("no bound, stays on"));
+    put("particle_rotation", e.has_particle_rotation(), e.particle_rotation(),
+        always("no bound, stays on"));
     put("tangential_history", e.has_tangential_history(), e.tangential_history(),
         always("resting contacts in the filling need it"));
     put("cohesion", e.has_cohesion(), e.cohesion(), discharge_cohesion(d));

@@ -32,7 +32,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::string upper(std::string_view text) {
   std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::toupper(c); });
+  std::transform(out.begin(), out.end(), out.begin(),
+                 [](unsigned char c) { return std::toupper(c); });
   return out;
 }
 
@@ -94,12 +95,14 @@ std::string enum_names(const FieldDescriptor& field) {
 }
 
 // Writes a parsed value as a singular, an indexed or an appended one: the three ways of reflection.
-#define GRANARY_STORE(Type, value)                                        \
-  do {                                                                    \
-    if (!field.is_repeated()) reflection->Set##Type(&message, &field, value); \
-    else if (index < reflection->FieldSize(message, &field))              \
-      reflection->SetRepeated##Type(&message, &field, index, value);      \
-    else reflection->Add##Type(&message, &field, value);                  \
+#define GRANARY_STORE(Type, value)                                   \
+  do {                                                               \
+    if (!field.is_repeated())                                        \
+      reflection->Set##Type(&message, &field, value);                \
+    else if (index < reflection->FieldSize(message, &field))         \
+      reflection->SetRepeated##Type(&message, &field, index, value); \
+    else                                                             \
+      reflection->Add##Type(&message, &field, value);                \
   } while (false)
 
 Status set_scalar(Message& message, const FieldDescriptor& field, int index, std::string_view path,
@@ -128,7 +131,8 @@ Status set_scalar(Message& message, const FieldDescriptor& field, int index, std
       return Done{};
     }
     case FieldDescriptor::CPPTYPE_BOOL: {
-      if (text != "true" && text != "false" && text != "1" && text != "0") return wrong("true or false");
+      if (text != "true" && text != "false" && text != "1" && text != "0")
+        return wrong("true or false");
       const bool value = text == "true" || text == "1";
       GRANARY_STORE(Bool, value);
       return Done{};
@@ -143,7 +147,8 @@ Status set_scalar(Message& message, const FieldDescriptor& field, int index, std
       GRANARY_STORE(Enum, value);
       return Done{};
     }
-    default: return wrong("a value that can be set by path");
+    default:
+      return wrong("a value that can be set by path");
   }
 }
 #undef GRANARY_STORE
@@ -189,8 +194,8 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
   for (const std::string& candidate : candidates) {
     // A wrong unit leaves the beginning right: what is common there counts in favour.
     const auto common = std::mismatch(name.begin(), name.end(), candidate.begin(), candidate.end());
-    const std::ptrdiff_t score = static_cast<std::ptrdiff_t>(edit_distance(name, candidate)) -
-                                 (common.first - name.begin());
+    const std::ptrdiff_t score =
+        static_cast<std::ptrdiff_t>(edit_distance(name, candidate)) - (common.first - name.begin());
     if (score < best_score) {
       best_score = score;
       best = candidate;
@@ -232,10 +237,14 @@ Status set_field(Message& root, std::string_view path, std::string_view value) {
       return set_scalar(*message, *field, segment.index, path, value);
     }
     if (last) return invalid(path, "'" + segment.name + "' is a group, name one of its fields");
-    if (!field->is_repeated()) message = reflection->MutableMessage(message, field);
-    else if (segment.index < 0) return invalid(path, "'" + segment.name + "' is a list, write " + segment.name + "[0]");
-    else if (segment.index < size) message = reflection->MutableRepeatedMessage(message, field, segment.index);
-    else message = reflection->AddMessage(message, field);
+    if (!field->is_repeated())
+      message = reflection->MutableMessage(message, field);
+    else if (segment.index < 0)
+      return invalid(path, "'" + segment.name + "' is a list, write " + segment.name + "[0]");
+    else if (segment.index < size)
+      message = reflection->MutableRepeatedMessage(message, field, segment.index);
+    else
+      message = reflection->AddMessage(message, field);
   }
   return Done{};
 }
@@ -257,7 +266,8 @@ double scalar_number(const Message& message, const FieldDescriptor& field, int i
                                       : r->GetUInt64(message, &field));
     case FieldDescriptor::CPPTYPE_BOOL:
       return many ? r->GetRepeatedBool(message, &field, index) : r->GetBool(message, &field);
-    default: return std::numeric_limits<double>::quiet_NaN();
+    default:
+      return std::numeric_limits<double>::quiet_NaN();
   }
 }
 
@@ -268,14 +278,17 @@ std::string scalar_text(const Message& message, const FieldDescriptor& field, in
     case FieldDescriptor::CPPTYPE_STRING:
       return many ? r->GetRepeatedString(message, &field, index) : r->GetString(message, &field);
     case FieldDescriptor::CPPTYPE_ENUM:
-      return (many ? r->GetRepeatedEnum(message, &field, index) : r->GetEnum(message, &field))->name();
-    case FieldDescriptor::CPPTYPE_BOOL: return scalar_number(message, field, index) != 0 ? "true" : "false";
+      return (many ? r->GetRepeatedEnum(message, &field, index) : r->GetEnum(message, &field))
+          ->name();
+    case FieldDescriptor::CPPTYPE_BOOL:
+      return scalar_number(message, field, index) != 0 ? "true" : "false";
     case FieldDescriptor::CPPTYPE_UINT64:
       return std::to_string(many ? r->GetRepeatedUInt64(message, &field, index)
                                  : r->GetUInt64(message, &field));
     default: {
       char buffer[32];
-      const auto end = std::to_chars(buffer, buffer + sizeof buffer, scalar_number(message, field, index));
+      const auto end =
+          std::to_chars(buffer, buffer + sizeof buffer, scalar_number(message, field, index));
       return {buffer, end.ptr};
     }
   }

@@ -30,16 +30,21 @@ std::optional<v1::JobState> job_state_from(std::string_view text) {
 }
 
 bool is_final(v1::JobState state) {
-  return state == v1::COMPLETE || state == v1::ERROR || state == v1::UNSTABLE || state == v1::CANCELLED;
+  return state == v1::COMPLETE || state == v1::ERROR || state == v1::UNSTABLE ||
+         state == v1::CANCELLED;
 }
 
 ExitCode exit_code_of(v1::JobState state, bool timed_out) {
   if (timed_out) return ExitCode::timed_out;
   switch (state) {
-    case v1::ERROR: return ExitCode::job_failed;
-    case v1::UNSTABLE: return ExitCode::unstable;
-    case v1::CANCELLED: return ExitCode::cancelled;
-    default: return ExitCode::ok;
+    case v1::ERROR:
+      return ExitCode::job_failed;
+    case v1::UNSTABLE:
+      return ExitCode::unstable;
+    case v1::CANCELLED:
+      return ExitCode::cancelled;
+    default:
+      return ExitCode::ok;
   }
 }
 

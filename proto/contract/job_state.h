@@ -9,7 +9,7 @@
 
 namespace granary {
 
-std::string_view to_string(v1::JobState state);                      // "waiting", "running", ...
+std::string_view to_string(v1::JobState state);  // "waiting", "running", ...
 std::optional<v1::JobState> job_state_from(std::string_view text);
 bool is_final(v1::JobState state);
 ExitCode exit_code_of(v1::JobState state, bool timed_out);

@@ -35,7 +35,8 @@ class Resolver {
   }
 
  private:
-  void note(const std::string& path, const std::string& value, const char* who, const std::string& why) {
+  void note(const std::string& path, const std::string& value, const char* who,
+            const std::string& why) {
     v1::Decision decision;
     decision.set_path(path);
     decision.set_value(value);
@@ -65,13 +66,15 @@ class Resolver {
             fill_defaults(*reflection->MutableRepeatedMessage(&message, field, k),
                           path + "[" + std::to_string(k) + "].");
         } else if (!field->real_containing_oneof() || reflection->HasField(message, field)) {
-          if (wanted_group(path)) fill_defaults(*reflection->MutableMessage(&message, field), path + ".");
+          if (wanted_group(path))
+            fill_defaults(*reflection->MutableMessage(&message, field), path + ".");
         }
         continue;
       }
       if (field->is_repeated() || reflection->HasField(message, field)) continue;
       const FieldRule* rule = find_rule(path_pattern(path));
-      if (rule && rule->presence == Presence::defaulted) fill(message, *field, path, rule->fallback);
+      if (rule && rule->presence == Presence::defaulted)
+        fill(message, *field, path, rule->fallback);
     }
   }
 
@@ -83,26 +86,39 @@ class Resolver {
   void fill(Message& message, const FieldDescriptor& field, const std::string& path, double value) {
     const auto* reflection = message.GetReflection();
     switch (field.cpp_type()) {
-      case FieldDescriptor::CPPTYPE_DOUBLE: reflection->SetDouble(&message, &field, value); break;
-      case FieldDescriptor::CPPTYPE_UINT32: reflection->SetUInt32(&message, &field, static_cast<std::uint32_t>(value)); break;
-      case FieldDescriptor::CPPTYPE_UINT64: reflection->SetUInt64(&message, &field, static_cast<std::uint64_t>(value)); break;
-      case FieldDescriptor::CPPTYPE_ENUM: reflection->SetEnumValue(&message, &field, static_cast<int>(value)); break;
-      default: return;
+      case FieldDescriptor::CPPTYPE_DOUBLE:
+        reflection->SetDouble(&message, &field, value);
+        break;
+      case FieldDescriptor::CPPTYPE_UINT32:
+        reflection->SetUInt32(&message, &field, static_cast<std::uint32_t>(value));
+        break;
+      case FieldDescriptor::CPPTYPE_UINT64:
+        reflection->SetUInt64(&message, &field, static_cast<std::uint64_t>(value));
+        break;
+      case FieldDescriptor::CPPTYPE_ENUM:
+        reflection->SetEnumValue(&message, &field, static_cast<int>(value));
+        break;
+      default:
+        return;
     }
     // Lists of placed grains would drown the settings that somebody wants to read.
-    if (path.find('[') == std::string::npos) note(path, scalar_text(message, field, -1), "default", "");
+    if (path.find('[') == std::string::npos)
+      note(path, scalar_text(message, field, -1), "default", "");
   }
 
   // ---- discharge
 
   void choose_discharge(v1::Discharge& d) {
     if (d.particles().has_diameter_min_m() && !d.particles().has_diameter_max_m())
-      choose("discharge.particles.diameter_max_m", d.particles().diameter_min_m(), "one size: diameter_min_m");
-    const double tip_y = d.bucket().has_tip_y_m() ? d.bucket().tip_y_m() : find_rule("discharge.bucket.tip_y_m")->fallback;
+      choose("discharge.particles.diameter_max_m", d.particles().diameter_min_m(),
+             "one size: diameter_min_m");
+    const double tip_y = d.bucket().has_tip_y_m() ? d.bucket().tip_y_m()
+                                                  : find_rule("discharge.bucket.tip_y_m")->fallback;
     if (!d.bucket().has_wall_height_m())
       choose("discharge.bucket.wall_height_m", tip_y, "as high as the outer wall (tip_y_m)");
     if (d.bucket().has_opening_angle_deg() && !d.bucket().has_tip_x_m())
-      choose("discharge.bucket.tip_x_m", -tip_y * std::tan(d.bucket().opening_angle_deg() * kPi / 180),
+      choose("discharge.bucket.tip_x_m",
+             -tip_y * std::tan(d.bucket().opening_angle_deg() * kPi / 180),
              "opening_angle_deg and tip_y_m");
     choose_discharge_numerics(d);
     choose_discharge_warnings(d);
@@ -111,9 +127,9 @@ class Resolver {
   void choose_discharge_numerics(v1::Discharge& d) {
     const double radius = d.has_pulley_radius_m() ? d.pulley_radius_m() : 0.5;
     const double gravity = d.has_gravity_m_per_s2() ? d.gravity_m_per_s2() : 9.81;
-    const double froude = d.has_rademacher_ka()
-                              ? d.rademacher_ka()
-                              : d.rotation_rad_per_s() * d.rotation_rad_per_s() * radius / std::max(gravity, 1e-9);
+    const double froude = d.has_rademacher_ka() ? d.rademacher_ka()
+                                                : d.rotation_rad_per_s() * d.rotation_rad_per_s() *
+                                                      radius / std::max(gravity, 1e-9);
     if (!d.solver().has_tolerance())
       choose("discharge.solver.tolerance", froude > 1 ? 1e-2 : 1e-3,
              froude > 1 ? "centrifugal flow (omega^2 R / g > 1)" : "gravity discharge and holding");
@@ -124,8 +140,9 @@ class Resolver {
 
   void choose_discharge_warnings(const v1::Discharge& d) {
     if (d.friction_pp_deg() > 30 && d.rolling_friction_coefficient() == 0)
-      out_.warnings.push_back("friction_pp_deg > 30 with rolling_friction_coefficient 0: freely rolling "
-                              "disks do not build the repose angle a bulk friction angle suggests");
+      out_.warnings.push_back(
+          "friction_pp_deg > 30 with rolling_friction_coefficient 0: freely rolling "
+          "disks do not build the repose angle a bulk friction angle suggests");
   }
 
   // ---- chute
@@ -140,8 +157,10 @@ class Resolver {
   void choose_chute(v1::Chute& c) {
     double shortest = 1e9;
     for (const auto& particle : c.particles()) {
-      const double mass = particle.density_kg_per_m3() * kPi / 6 * std::pow(particle.diameter_m(), 3);
-      shortest = std::min({shortest, contact_time(mass / 2, c.contact_pp()), contact_time(mass, c.contact_pw())});
+      const double mass =
+          particle.density_kg_per_m3() * kPi / 6 * std::pow(particle.diameter_m(), 3);
+      shortest = std::min(
+          {shortest, contact_time(mass / 2, c.contact_pp()), contact_time(mass, c.contact_pw())});
     }
     if (!c.has_time_step_s()) {
       const double step = shortest / 42;
@@ -151,7 +170,8 @@ class Resolver {
     } else if (c.time_step_s() > shortest / 5) {
       limit_ = shortest / 5;
     }
-    if (!c.has_sample_start_s()) choose("chute.sample_start_s", c.duration_s() / 3, "a third of the duration");
+    if (!c.has_sample_start_s())
+      choose("chute.sample_start_s", c.duration_s() / 3, "a third of the duration");
   }
 
   // ---- effects
@@ -160,18 +180,23 @@ class Resolver {
     if (limit_ > 0) {
       char text[160];
       std::snprintf(text, sizeof text,
-                    "chute.time_step_s: = %.6g is out of range, must be > 0 and <= %.6g (a fifth of the shortest contact)",
+                    "chute.time_step_s: = %.6g is out of range, must be > 0 and <= %.6g (a fifth "
+                    "of the shortest contact)",
                     out_.scene.chute().time_step_s(), limit_);
       return Error{ErrorCode::invalid_argument, text, "chute.time_step_s"};
     }
     out_.effects = decide_effects(out_.scene);
     v1::Effects& effects = *out_.scene.mutable_effects();
     if (effects.gas() == v1::Effects::ON)
-      return Error{ErrorCode::invalid_argument, "effects.gas: = ON is not available in this version, must be AUTO or OFF", "effects.gas"};
+      return Error{ErrorCode::invalid_argument,
+                   "effects.gas: = ON is not available in this version, must be AUTO or OFF",
+                   "effects.gas"};
     for (const auto& [name, report] : out_.effects) {
       const auto* field = effects.GetDescriptor()->FindFieldByName(name);
-      effects.GetReflection()->SetEnumValue(&effects, field, report.on() ? v1::Effects::ON : v1::Effects::OFF);
-      if (report.chosen_by() == "auto") note("effects." + name, report.on() ? "ON" : "OFF", "auto", report.reason());
+      effects.GetReflection()->SetEnumValue(&effects, field,
+                                            report.on() ? v1::Effects::ON : v1::Effects::OFF);
+      if (report.chosen_by() == "auto")
+        note("effects." + name, report.on() ? "ON" : "OFF", "auto", report.reason());
     }
     return Done{};
   }
@@ -204,12 +229,24 @@ std::string job_key(const v1::Scene& resolved) {
 
 std::string filling_key(const v1::Scene& resolved) {
   if (!resolved.has_discharge() || resolved.discharge().filling() != v1::Discharge::DROP) return "";
-  static const std::set<std::string> kRotationOnly = {
-      "name", "threads", "output", "accuracy", "replicates", "discharge.rotation_rad_per_s",
-      "discharge.rademacher_ka", "discharge.initial_velocity", "discharge.run_up_m",
-      "discharge.end_angle_deg", "discharge.target", "discharge.time_step_s", "discharge.duration_s",
-      "discharge.solver.tolerance", "discharge.pulley_radius_m", "discharge.air_density_kg_per_m3",
-      "discharge.air_viscosity_pa_s", "effects.gas"};
+  static const std::set<std::string> kRotationOnly = {"name",
+                                                      "threads",
+                                                      "output",
+                                                      "accuracy",
+                                                      "replicates",
+                                                      "discharge.rotation_rad_per_s",
+                                                      "discharge.rademacher_ka",
+                                                      "discharge.initial_velocity",
+                                                      "discharge.run_up_m",
+                                                      "discharge.end_angle_deg",
+                                                      "discharge.target",
+                                                      "discharge.time_step_s",
+                                                      "discharge.duration_s",
+                                                      "discharge.solver.tolerance",
+                                                      "discharge.pulley_radius_m",
+                                                      "discharge.air_density_kg_per_m3",
+                                                      "discharge.air_viscosity_pa_s",
+                                                      "effects.gas"};
   return sha256_hex("filling\n" + canonical_text(resolved, kRotationOnly));
 }
 

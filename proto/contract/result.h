@@ -58,8 +58,8 @@ ExitCode exit_code_of(ErrorCode code);
 template <typename T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : content_(std::move(value)) {}        // NOLINT: implicit by design
-  Result(Error error) : content_(std::move(error)) {}    // NOLINT
+  Result(T value) : content_(std::move(value)) {}      // NOLINT: implicit by design
+  Result(Error error) : content_(std::move(error)) {}  // NOLINT
 
   bool ok() const { return std::holds_alternative<T>(content_); }
   explicit operator bool() const { return ok(); }

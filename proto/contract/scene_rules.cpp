@@ -28,50 +28,68 @@ constexpr FieldRule kRules[] = {
     {"threads", defaulted, 1, 1, 256, false, "threads of the engine; never changes a result"},
     {"accuracy.target", maybe, kNone, 0, 0.5, true, "requested relative error"},
     {"accuracy.budget_s", maybe, kNone, 0, 1e8, true, "CPU seconds it may cost"},
-    {"output.frame_interval_s", maybe, kNone, 0, 1e6, false, "time between stored frames; 0 = none"},
+    {"output.frame_interval_s", maybe, kNone, 0, 1e6, false,
+     "time between stored frames; 0 = none"},
     {"output.frames", maybe, kNone, 0, 100000, false, "stored frames over the run"},
     {"output.series_interval_s", maybe, kNone, 0, 1e6, true, "time between series samples"},
 
     {"discharge.particles.count", required, kNone, 1, 2e6, false, "disks dropped into the bucket"},
     {"discharge.particles.diameter_min_m", required, kNone, 0, 1, true, "smallest diameter"},
-    {"discharge.particles.diameter_max_m", maybe, kNone, 0, 1, true, "largest diameter (uniform between)"},
-    {"discharge.particles.density_kg_per_m3", required, kNone, 0, 30000, true, "mass per disk area and metre of depth"},
-    {"discharge.particles.axial_depth_m", defaulted, 1, 0, 10, true, "extent along the pulley axis"},
+    {"discharge.particles.diameter_max_m", maybe, kNone, 0, 1, true,
+     "largest diameter (uniform between)"},
+    {"discharge.particles.density_kg_per_m3", required, kNone, 0, 30000, true,
+     "mass per disk area and metre of depth"},
+    {"discharge.particles.axial_depth_m", defaulted, 1, 0, 10, true,
+     "extent along the pulley axis"},
     {"discharge.bucket.shape", defaulted, 0, -kAny, kAny, false, "outer wall"},
     {"discharge.bucket.x2_m", maybe, kNone, -10, 10, false, "Bezier abscissa at 1/4 of tip_y_m"},
     {"discharge.bucket.x3_m", maybe, kNone, -10, 10, false, "Bezier abscissa at 1/2 of tip_y_m"},
     {"discharge.bucket.x4_m", maybe, kNone, -10, 10, false, "Bezier abscissa at 3/4 of tip_y_m"},
     {"discharge.bucket.tip_x_m", defaulted, -0.4, -10, 0, false, "outer end of the wall"},
     {"discharge.bucket.tip_y_m", defaulted, 0.4, 0, 10, true, "outer end of the wall"},
-    {"discharge.bucket.opening_angle_deg", maybe, kNone, 0, 90, true, "straight wall against the inner wall; replaces tip_x_m"},
+    {"discharge.bucket.opening_angle_deg", maybe, kNone, 0, 90, true,
+     "straight wall against the inner wall; replaces tip_x_m"},
     {"discharge.bucket.wall_height_m", chosen, kNone, 0, 10, true, "inner wall; default tip_y_m"},
     {"discharge.bucket.deflector_m", defaulted, 0, 0, 10, false, "deflector beyond the inner wall"},
-    {"discharge.bucket.deflector_angle_deg", defaulted, 0, -90, 90, false, "deflector turned outwards"},
+    {"discharge.bucket.deflector_angle_deg", defaulted, 0, -90, 90, false,
+     "deflector turned outwards"},
     {"discharge.bucket.points[].x_m", required, kNone, -10, 10, false, "point of the outer wall"},
     {"discharge.bucket.points[].y_m", required, kNone, -10, 10, false, "point of the outer wall"},
-    {"discharge.friction_pp_deg", required, kNone, 0, 89, false, "friction angle inside the material"},
-    {"discharge.friction_pw_deg", required, kNone, 0, 89, false, "friction angle against the bucket"},
-    {"discharge.rolling_friction_coefficient", defaulted, 0, 0, 5, false, "rolling resistance / normal force and radius"},
-    {"discharge.cohesion_n_per_m", defaulted, 0, 0, 1e6, false, "cohesive force per metre of depth"},
+    {"discharge.friction_pp_deg", required, kNone, 0, 89, false,
+     "friction angle inside the material"},
+    {"discharge.friction_pw_deg", required, kNone, 0, 89, false,
+     "friction angle against the bucket"},
+    {"discharge.rolling_friction_coefficient", defaulted, 0, 0, 5, false,
+     "rolling resistance / normal force and radius"},
+    {"discharge.cohesion_n_per_m", defaulted, 0, 0, 1e6, false,
+     "cohesive force per metre of depth"},
     {"discharge.normal_restitution", defaulted, 0, 0, 1, false, "normal restitution of an impact"},
     {"discharge.damping_per_s", defaulted, 0, 0, 1e4, false, "mass-proportional damping"},
     {"discharge.pulley_radius_m", defaulted, 0.5, 0, 20, true, "pulley radius R"},
     {"discharge.run_up_m", defaulted, 0, 0, 100, false, "straight belt travel before the pulley"},
     {"discharge.rotation_rad_per_s", maybe, kNone, 0, 500, false, "rotation rate omega"},
-    {"discharge.rademacher_ka", maybe, kNone, 0, 1000, true, "omega^2 |cg| / g; replaces rotation_rad_per_s"},
+    {"discharge.rademacher_ka", maybe, kNone, 0, 1000, true,
+     "omega^2 |cg| / g; replaces rotation_rad_per_s"},
     {"discharge.filling", defaulted, 0, -kAny, kAny, false, "how the bucket is filled"},
-    {"discharge.initial_velocity", defaulted, 0, -kAny, kAny, false, "velocity of the grains at theta = 0"},
-    {"discharge.penalty.stiffness_n_per_m", defaulted, 1e7, 1, 1e13, false, "contact penalty K_N = K_T"},
-    {"discharge.penalty.growth_factor", defaulted, 1.25, 1, 100, false, "OPEN_CLOSE: growth of the penalty"},
-    {"discharge.penalty.tolerance", defaulted, 0.01, 0, 1, true, "overlap / radius that makes the penalty grow"},
+    {"discharge.initial_velocity", defaulted, 0, -kAny, kAny, false,
+     "velocity of the grains at theta = 0"},
+    {"discharge.penalty.stiffness_n_per_m", defaulted, 1e7, 1, 1e13, false,
+     "contact penalty K_N = K_T"},
+    {"discharge.penalty.growth_factor", defaulted, 1.25, 1, 100, false,
+     "OPEN_CLOSE: growth of the penalty"},
+    {"discharge.penalty.tolerance", defaulted, 0.01, 0, 1, true,
+     "overlap / radius that makes the penalty grow"},
     {"discharge.solver.method", defaulted, 0, -kAny, kAny, false, "contact solver"},
     {"discharge.solver.integrator", defaulted, 0, -kAny, kAny, false, "time integration"},
-    {"discharge.solver.tolerance", chosen, kNone, 0, 1, true, "relative impulse change that ends the sweeps"},
-    {"discharge.solver.max_iterations", defaulted, 500, 1, 1000000, false, "sweeps or open-close iterations of a step"},
+    {"discharge.solver.tolerance", chosen, kNone, 0, 1, true,
+     "relative impulse change that ends the sweeps"},
+    {"discharge.solver.max_iterations", defaulted, 500, 1, 1000000, false,
+     "sweeps or open-close iterations of a step"},
     {"discharge.solver.linear", defaulted, 0, -kAny, kAny, false, "linear solver of OPEN_CLOSE"},
     {"discharge.time_step_s", chosen, kNone, 0, 0.01, true, "time step of the rotation"},
     {"discharge.filling_time_step_s", chosen, kNone, 0, 0.01, true, "time step of the filling"},
-    {"discharge.end_angle_deg", defaulted, 180, 0, 3600, true, "rotation at which the measurement ends"},
+    {"discharge.end_angle_deg", defaulted, 180, 0, 3600, true,
+     "rotation at which the measurement ends"},
     {"discharge.target[].x_m", required, kNone, -1000, 1000, false, "discharge opening"},
     {"discharge.target[].y_m", required, kNone, -1000, 1000, false, "discharge opening"},
     {"discharge.discs[].x_m", required, kNone, -1000, 1000, false, "centre"},
@@ -84,7 +102,8 @@ constexpr FieldRule kRules[] = {
     {"discharge.walls[].points[].y_m", required, kNone, -1000, 1000, false, "point of a wall"},
     {"discharge.gravity_m_per_s2", defaulted, 9.81, 0, 1000, false, "gravity, downwards"},
     {"discharge.duration_s", maybe, kNone, 0, 1e5, true, "simulated time; replaces end_angle_deg"},
-    {"discharge.filling_stiffness_n_per_m", maybe, kNone, 1, 1e13, false, "penalty during filling, if another"},
+    {"discharge.filling_stiffness_n_per_m", maybe, kNone, 1, 1e13, false,
+     "penalty during filling, if another"},
     {"discharge.air_density_kg_per_m3", defaulted, 1.2, 0, 100, false, "air"},
     {"discharge.air_viscosity_pa_s", defaulted, 1.81e-5, 0, 1, true, "air"},
 
@@ -92,17 +111,22 @@ constexpr FieldRule kRules[] = {
     {"chute.width_m", defaulted, 0.08, 0, 10, true, "between the side walls"},
     {"chute.depth_m", defaulted, 0.045, 0, 10, true, "from the floor to the open top"},
     {"chute.inclination_deg", required, kNone, 0, 90, false, "of the floor against the horizontal"},
-    {"chute.rotation_rpm", defaulted, 0, -10000, 10000, false, "> 0 pushes the stream to y = width"},
-    {"chute.axis_offset_m", defaulted, 0.165, -100, 100, false, "vertical axis cuts the floor here, from the inlet"},
+    {"chute.rotation_rpm", defaulted, 0, -10000, 10000, false,
+     "> 0 pushes the stream to y = width"},
+    {"chute.axis_offset_m", defaulted, 0.165, -100, 100, false,
+     "vertical axis cuts the floor here, from the inlet"},
     {"chute.particles[].diameter_m", required, kNone, 0, 1, true, "sphere diameter"},
     {"chute.particles[].density_kg_per_m3", required, kNone, 0, 30000, true, "sphere density"},
     {"chute.particles[].mass_fraction", defaulted, 1, 0, 1, true, "share of the feed"},
-    {"chute.contact_pp.normal_stiffness_n_per_m", defaulted, 1000, 1, 1e10, false, "spring between grains"},
+    {"chute.contact_pp.normal_stiffness_n_per_m", defaulted, 1000, 1, 1e10, false,
+     "spring between grains"},
     {"chute.contact_pp.normal_restitution", required, kNone, 0, 1, false, "e_n between grains"},
     {"chute.contact_pp.tangential_restitution", required, kNone, 0, 1, false, "e_t between grains"},
     {"chute.contact_pp.friction_coefficient", required, kNone, 0, 10, false, "mu between grains"},
-    {"chute.contact_pp.rolling_friction_coefficient", defaulted, 0, 0, 10, false, "mu_r between grains"},
-    {"chute.contact_pw.normal_stiffness_n_per_m", defaulted, 1000, 1, 1e10, false, "spring at walls"},
+    {"chute.contact_pp.rolling_friction_coefficient", defaulted, 0, 0, 10, false,
+     "mu_r between grains"},
+    {"chute.contact_pw.normal_stiffness_n_per_m", defaulted, 1000, 1, 1e10, false,
+     "spring at walls"},
     {"chute.contact_pw.normal_restitution", required, kNone, 0, 1, false, "e_n at walls"},
     {"chute.contact_pw.tangential_restitution", required, kNone, 0, 1, false, "e_t at walls"},
     {"chute.contact_pw.friction_coefficient", required, kNone, 0, 10, false, "mu at walls"},
@@ -162,7 +186,8 @@ std::optional<Error> check_value(const std::string& path, const Message& message
     if (field.enum_type()->FindValueByNumber(value)) return {};
     return bad(path, "has no option number " + std::to_string(value));
   }
-  if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING || field.cpp_type() == FieldDescriptor::CPPTYPE_BOOL)
+  if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING ||
+      field.cpp_type() == FieldDescriptor::CPPTYPE_BOOL)
     return {};
   const FieldRule* rule = find_rule(path_pattern(path));
   const double value = scalar_number(message, field, index);
@@ -209,8 +234,10 @@ std::optional<Error> check_required(const Message& message, const std::string& p
       continue;
     }
     const FieldRule* rule = find_rule(path_pattern(path));
-    if (rule && rule->presence == Presence::required && !message.GetReflection()->HasField(message, field))
-      return bad(path, "is missing, must be " + range_text(*rule) + " (" + std::string(rule->meaning) + ")");
+    if (rule && rule->presence == Presence::required &&
+        !message.GetReflection()->HasField(message, field))
+      return bad(path, "is missing, must be " + range_text(*rule) + " (" +
+                           std::string(rule->meaning) + ")");
   }
   return {};
 }
@@ -234,16 +261,18 @@ std::optional<Error> check_bucket(const v1::Discharge& discharge, double largest
   if (bucket.shape() == v1::Bucket::POLYLINE && bucket.points_size() < 2)
     return bad("discharge.bucket.points", "needs at least 2 points for shape POLYLINE");
   if (bucket.shape() == v1::Bucket::BEZIER)
-    for (const auto& [name, there] : {std::pair{"x2_m", bucket.has_x2_m()},
-                                      std::pair{"x3_m", bucket.has_x3_m()},
-                                      std::pair{"x4_m", bucket.has_x4_m()}})
-      if (!there) return bad(std::string("discharge.bucket.") + name, "is missing, shape BEZIER needs it");
+    for (const auto& [name, there] :
+         {std::pair{"x2_m", bucket.has_x2_m()}, std::pair{"x3_m", bucket.has_x3_m()},
+          std::pair{"x4_m", bucket.has_x4_m()}})
+      if (!there)
+        return bad(std::string("discharge.bucket.") + name, "is missing, shape BEZIER needs it");
   const auto width = mouth_width(bucket);
   const char* field = bucket.shape() == v1::Bucket::POLYLINE ? "discharge.bucket.points"
                       : bucket.has_opening_angle_deg()       ? "discharge.bucket.opening_angle_deg"
                                                              : "discharge.bucket.tip_x_m";
   if (width && *width < 1.5 * largest)
-    return bad(field, "makes a mouth of " + number(*width) + " m, must be >= " + number(1.5 * largest) +
+    return bad(field, "makes a mouth of " + number(*width) +
+                          " m, must be >= " + number(1.5 * largest) +
                           " m (1.5 diameters of the largest disk, " + number(largest) + " m)");
   return {};
 }
@@ -253,20 +282,29 @@ std::optional<Error> check_discharge(const v1::Discharge& discharge) {
   if (placed && discharge.discs_size() == 0)
     return bad("discharge.discs", "is empty, filling EXPLICIT needs at least one");
   if (!placed && discharge.no_bucket())
-    return bad("discharge.no_bucket", "needs filling EXPLICIT: without a bucket there is nothing to fill");
+    return bad("discharge.no_bucket",
+               "needs filling EXPLICIT: without a bucket there is nothing to fill");
   const auto& particles = discharge.particles();
   const double smallest = particles.diameter_min_m();
   const double largest = particles.has_diameter_max_m() ? particles.diameter_max_m() : smallest;
   if (!placed && largest < smallest)
-    return bad("discharge.particles.diameter_max_m", "= " + number(largest) + " is out of range, must be >= diameter_min_m = " + number(smallest));
+    return bad("discharge.particles.diameter_max_m",
+               "= " + number(largest) +
+                   " is out of range, must be >= diameter_min_m = " + number(smallest));
   if (discharge.has_rotation_rad_per_s() && discharge.has_rademacher_ka())
     return bad("discharge.rademacher_ka", "stands beside rotation_rad_per_s, give one of them");
-  if (!discharge.has_rotation_rad_per_s() && !discharge.has_rademacher_ka() && !discharge.has_duration_s())
-    return bad("discharge.rotation_rad_per_s", "is missing, must be >= 0 and <= 500 (or give rademacher_ka, or duration_s for a bucket at rest)");
-  if (discharge.has_rotation_rad_per_s() && discharge.rotation_rad_per_s() == 0 && !discharge.has_duration_s())
-    return bad("discharge.duration_s", "is missing: with rotation_rad_per_s = 0 the end angle is never reached");
+  if (!discharge.has_rotation_rad_per_s() && !discharge.has_rademacher_ka() &&
+      !discharge.has_duration_s())
+    return bad("discharge.rotation_rad_per_s",
+               "is missing, must be >= 0 and <= 500 (or give rademacher_ka, or duration_s for a "
+               "bucket at rest)");
+  if (discharge.has_rotation_rad_per_s() && discharge.rotation_rad_per_s() == 0 &&
+      !discharge.has_duration_s())
+    return bad("discharge.duration_s",
+               "is missing: with rotation_rad_per_s = 0 the end angle is never reached");
   if (discharge.filling() == v1::Discharge::STORED && discharge.stored_filling().empty())
-    return bad("discharge.stored_filling", "is missing, filling STORED needs the job it comes from");
+    return bad("discharge.stored_filling",
+               "is missing, filling STORED needs the job it comes from");
   if (discharge.target_size() == 1 || discharge.target_size() == 2)
     return bad("discharge.target", "needs at least 3 points to enclose an opening");
   for (int i = 0; i < discharge.walls_size(); ++i)
@@ -278,7 +316,8 @@ std::optional<Error> check_discharge(const v1::Discharge& discharge) {
 
 // Filling EXPLICIT brings its own disks: only the density of `particles` is asked for.
 std::optional<Error> check_discharge_required(const v1::Discharge& discharge) {
-  if (discharge.filling() != v1::Discharge::EXPLICIT) return check_required(discharge, "discharge.");
+  if (discharge.filling() != v1::Discharge::EXPLICIT)
+    return check_required(discharge, "discharge.");
   v1::Discharge filled = discharge;
   if (!filled.particles().has_count()) filled.mutable_particles()->set_count(1);
   if (!filled.particles().has_diameter_min_m()) filled.mutable_particles()->set_diameter_min_m(1);
@@ -292,11 +331,15 @@ std::optional<Error> check_inlet(const v1::Chute& chute, double smallest) {
   if (inlet.feed() == v1::Inlet::NONE) return {};
   if (chute.beads_size() > 0 && !chute.has_inlet()) return {};
   if (!inlet.has_mass_flow_kg_per_s())
-    return bad("chute.inlet.mass_flow_kg_per_s", "is missing, must be > 0 and <= 100000 (or feed: NONE)");
+    return bad("chute.inlet.mass_flow_kg_per_s",
+               "is missing, must be > 0 and <= 100000 (or feed: NONE)");
   if (!inlet.has_sluice_height_m())
-    return bad("chute.inlet.sluice_height_m", "is missing, must be > 0 and <= 10 (height of the feed)");
+    return bad("chute.inlet.sluice_height_m",
+               "is missing, must be > 0 and <= 10 (height of the feed)");
   if (inlet.sluice_height_m() < smallest)
-    return bad("chute.inlet.sluice_height_m", "= " + number(inlet.sluice_height_m()) + " is out of range, must be >= " + number(smallest) + " (one diameter)");
+    return bad("chute.inlet.sluice_height_m",
+               "= " + number(inlet.sluice_height_m()) +
+                   " is out of range, must be >= " + number(smallest) + " (one diameter)");
   return {};
 }
 
@@ -308,34 +351,43 @@ std::optional<Error> check_size_ratio(const v1::Chute& chute) {
     fractions += particle.has_mass_fraction() ? particle.mass_fraction() : 1;
   }
   if (largest > 50 * smallest)
-    return bad("chute.particles", "spans a size ratio of 1:" + number(largest / smallest) + ", must be within 1:50");
+    return bad("chute.particles",
+               "spans a size ratio of 1:" + number(largest / smallest) + ", must be within 1:50");
   if (chute.particles_size() > 1 && std::abs(fractions - 1) > 1e-6)
-    return bad("chute.particles", "has mass fractions that sum to " + number(fractions) + ", must be 1");
+    return bad("chute.particles",
+               "has mass fractions that sum to " + number(fractions) + ", must be 1");
   return check_inlet(chute, largest);
 }
 
 std::optional<Error> check_chute(const v1::Chute& chute) {
-  if (chute.particles_size() == 0) return bad("chute.particles", "is empty, needs at least one size class");
+  if (chute.particles_size() == 0)
+    return bad("chute.particles", "is empty, needs at least one size class");
   if (chute.particles_size() > 16) return bad("chute.particles", "has more than 16 size classes");
   for (int i = 0; i < chute.beads_size(); ++i)
     if (static_cast<int>(chute.beads(i).particle_class()) >= chute.particles_size())
-      return bad("chute.beads[" + std::to_string(i) + "].particle_class", "names a class that is not in chute.particles");
+      return bad("chute.beads[" + std::to_string(i) + "].particle_class",
+                 "names a class that is not in chute.particles");
   for (int i = 0; i < chute.planes_size(); ++i)
     if (chute.planes(i).point_m_size() != 3 || chute.planes(i).normal_size() != 3)
-      return bad("chute.planes[" + std::to_string(i) + "]", "needs 3 numbers in point_m and in normal");
+      return bad("chute.planes[" + std::to_string(i) + "]",
+                 "needs 3 numbers in point_m and in normal");
   for (int i = 0; i < chute.triangles_size(); ++i)
     if (chute.triangles(i).vertices_m_size() != 9)
       return bad("chute.triangles[" + std::to_string(i) + "].vertices_m", "needs 9 numbers");
   if (chute.gas().grid_size() != 0 && chute.gas().grid_size() != 3)
     return bad("chute.gas.grid", "needs 3 numbers: cells along x, y, z");
   if (chute.has_sample_start_s() && chute.sample_start_s() >= chute.duration_s())
-    return bad("chute.sample_start_s", "= " + number(chute.sample_start_s()) + " is out of range, must be < duration_s = " + number(chute.duration_s()));
+    return bad("chute.sample_start_s",
+               "= " + number(chute.sample_start_s()) +
+                   " is out of range, must be < duration_s = " + number(chute.duration_s()));
   return check_size_ratio(chute);
 }
 
 }  // namespace
 
-std::span<const FieldRule> scene_rules() { return kRules; }
+std::span<const FieldRule> scene_rules() {
+  return kRules;
+}
 
 const FieldRule* find_rule(std::string_view pattern) {
   static const auto by_path = [] {
@@ -348,20 +400,25 @@ const FieldRule* find_rule(std::string_view pattern) {
 }
 
 std::string range_text(const FieldRule& rule) {
-  return (rule.open_minimum ? "> " : ">= ") + number(rule.minimum) + " and <= " + number(rule.maximum);
+  return (rule.open_minimum ? "> " : ">= ") + number(rule.minimum) +
+         " and <= " + number(rule.maximum);
 }
 
 std::string_view kind_of(const v1::Scene& scene) {
   switch (scene.kind_case()) {
-    case v1::Scene::kDischarge: return "discharge";
-    case v1::Scene::kChute: return "chute";
-    default: return "";
+    case v1::Scene::kDischarge:
+      return "discharge";
+    case v1::Scene::kChute:
+      return "chute";
+    default:
+      return "";
   }
 }
 
 Status validate_scene(const v1::Scene& scene) {
   if (auto error = check_values(scene)) return *error;
-  if (scene.has_accuracy() && scene.accuracy().has_target() && scene.accuracy().observable().empty())
+  if (scene.has_accuracy() && scene.accuracy().has_target() &&
+      scene.accuracy().observable().empty())
     return bad("accuracy.observable", "is missing: the target needs a key of `values`, e.g. f1_m");
   if (scene.has_discharge()) {
     if (auto error = check_discharge_required(scene.discharge())) return *error;

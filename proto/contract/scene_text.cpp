@@ -25,7 +25,8 @@ std::string at(std::string_view file, int line) {
 }
 
 Error invalid(std::string_view file, int line, const std::string& path, const std::string& what) {
-  return {ErrorCode::invalid_argument, at(file, line) + (path.empty() ? "" : path + ": ") + what, path};
+  return {ErrorCode::invalid_argument, at(file, line) + (path.empty() ? "" : path + ": ") + what,
+          path};
 }
 
 // ------------------------------------------------------------------------------------ text format
@@ -59,15 +60,21 @@ std::string open_groups(std::string_view text, int line, int column) {
     }
     ++at_column;
     if (comment) continue;
-    if (quote) quote = c == quote ? 0 : quote;
-    else if (c == '#') comment = true;
-    else if (c == '"' || c == '\'') quote = c;
+    if (quote)
+      quote = c == quote ? 0 : quote;
+    else if (c == '#')
+      comment = true;
+    else if (c == '"' || c == '\'')
+      quote = c;
     else if (std::isalnum(static_cast<unsigned char>(c)) || c == '_') {
       if (!word.empty() && word.back() == ' ') word.clear();
       word += c;
-    } else if (c == '{' || c == '<') groups.push_back(std::exchange(word, ""));
-    else if ((c == '}' || c == '>') && !groups.empty()) groups.pop_back(), word.clear();
-    else if ((c == ' ' || c == ':') && !word.empty() && word.back() != ' ') word += ' ';
+    } else if (c == '{' || c == '<')
+      groups.push_back(std::exchange(word, ""));
+    else if ((c == '}' || c == '>') && !groups.empty())
+      groups.pop_back(), word.clear();
+    else if ((c == ' ' || c == ':') && !word.empty() && word.back() != ' ')
+      word += ' ';
   }
   std::string path;
   for (std::string group : groups) {
@@ -123,7 +130,8 @@ Result<ParsedScene> parse_text(std::string_view text, std::string_view file) {
   parser.RecordErrorsTo(&first);
   parser.WriteLocationsTo(&tree);
   parser.SetRecursionLimit(32);
-  if (!parser.ParseFromString(std::string(text), &parsed.scene)) return text_error(text, file, first);
+  if (!parser.ParseFromString(std::string(text), &parsed.scene))
+    return text_error(text, file, first);
   collect_lines(parsed.scene, tree, "", &parsed.line_of);
   return parsed;
 }
@@ -131,7 +139,8 @@ Result<ParsedScene> parse_text(std::string_view text, std::string_view file) {
 // ------------------------------------------------------------------------------------------- JSON
 
 int line_of_offset(std::string_view text, std::size_t offset) {
-  return 1 + static_cast<int>(std::count(text.begin(), text.begin() + std::min(offset, text.size()), '\n'));
+  return 1 + static_cast<int>(
+                 std::count(text.begin(), text.begin() + std::min(offset, text.size()), '\n'));
 }
 
 // JSON carries no positions: the line where the key stands first is the best that can be told.
@@ -169,7 +178,8 @@ class JsonReader {
     if (!list.is_array()) return fail(path, key, "must be a list [...]");
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::string element = path + "[" + std::to_string(i) + "]";
-      if (Status status = read_one(list[i], message, field, key, element, element); !status) return status;
+      if (Status status = read_one(list[i], message, field, key, element, element); !status)
+        return status;
     }
     return Done{};
   }
@@ -178,8 +188,9 @@ class JsonReader {
                   const std::string& key, const std::string& path, const std::string& element) {
     lines[element] = line_of_key(text_, key);
     if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
-      Message* child = field.is_repeated() ? message.GetReflection()->AddMessage(&message, &field)
-                                           : message.GetReflection()->MutableMessage(&message, &field);
+      Message* child = field.is_repeated()
+                           ? message.GetReflection()->AddMessage(&message, &field)
+                           : message.GetReflection()->MutableMessage(&message, &field);
       return read(value, *child, path + ".");
     }
     if (value.is_object() || value.is_array()) return fail(path, key, "must be a single value");
@@ -231,13 +242,15 @@ Result<v1::Scene> load_scene(std::string_view text, std::string_view file_name,
   if (!parsed) return parsed.error();
   for (const auto& [path, value] : settings) {
     if (Status status = set_field(parsed->scene, path, value); !status)
-      return Error{status.error().code, "--set " + status.error().message, status.error().field_path};
+      return Error{status.error().code, "--set " + status.error().message,
+                   status.error().field_path};
     parsed->line_of.erase(path);
   }
   if (Status status = validate_scene(parsed->scene); !status) {
     const Error& error = status.error();
     const auto line = parsed->line_of.find(error.field_path);
-    const std::string where = line != parsed->line_of.end() ? at(file_name, line->second) : at(file_name, 0);
+    const std::string where =
+        line != parsed->line_of.end() ? at(file_name, line->second) : at(file_name, 0);
     return Error{error.code, where + error.message, error.field_path};
   }
   return parsed->scene;

@@ -43,12 +43,13 @@ Json effects_of(const v1::Result& result) {
   Json out = Json::object();
   std::map<std::string, v1::EffectReport> sorted(result.effects().begin(), result.effects().end());
   for (const auto& [name, effect] : sorted) {
-    out[name] = {{"on", effect.on()},
-                 {"number", number_or_null(effect.has_number(), effect.number())},
-                 {"threshold", number_or_null(effect.has_threshold(), effect.threshold())},
-                 {"omitted_error", number_or_null(effect.has_omitted_error(), effect.omitted_error())},
-                 {"chosen_by", effect.chosen_by()},
-                 {"reason", effect.reason()}};
+    out[name] = {
+        {"on", effect.on()},
+        {"number", number_or_null(effect.has_number(), effect.number())},
+        {"threshold", number_or_null(effect.has_threshold(), effect.threshold())},
+        {"omitted_error", number_or_null(effect.has_omitted_error(), effect.omitted_error())},
+        {"chosen_by", effect.chosen_by()},
+        {"reason", effect.reason()}};
   }
   return out;
 }
@@ -63,11 +64,13 @@ std::string values_json(const v1::GetValuesResponse& response) {
   const v1::Result& result = response.result();
   out["values"] = values_of(result);
   out["cost"] = cost_of(result.cost());
-  out["ledger"] = {{"remainder_ratio", number_or_null(result.has_ledger(), result.ledger().remainder_ratio())}};
+  out["ledger"] = {
+      {"remainder_ratio", number_or_null(result.has_ledger(), result.ledger().remainder_ratio())}};
   out["effects"] = effects_of(result);
   out["engine_version"] = result.engine_version();
   out["state_hash"] = result.state_hash();
-  if (result.warnings_size() > 0) out["warnings"] = std::vector<std::string>(result.warnings().begin(), result.warnings().end());
+  if (result.warnings_size() > 0)
+    out["warnings"] = std::vector<std::string>(result.warnings().begin(), result.warnings().end());
   if (!response.error().empty()) out["error"] = response.error();
   return out.dump();
 }

@@ -1,5 +1,5 @@
-// Versions that travel with every result. kEngineVersion is part of every job key: raise it whenever
-// an engine may compute another bit (CHANGELOG says "results change: yes").
+// Versions that travel with every result. kEngineVersion is part of every job key: raise it
+// whenever an engine may compute another bit (CHANGELOG says "results change: yes").
 #pragma once
 
 namespace granary {

@@ -22,7 +22,8 @@ struct Backend {
   Dispatcher& dispatcher;  // owner thread only
   JobStore& store;         // owner thread only
   ArtifactStore& artifacts;
-  std::atomic<std::int64_t> last_use_ms{0};  // steady; users only, workers do not keep a server alive
+  std::atomic<std::int64_t> last_use_ms{
+      0};  // steady; users only, workers do not keep a server alive
 
   void touch() { last_use_ms = system_now().steady_ms; }
 };

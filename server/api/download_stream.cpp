@@ -10,7 +10,8 @@ constexpr std::uint64_t kChunkBytes = 1 << 20;  // 1 GB/s on loopback; larger ga
 
 class DownloadReactor : public grpc::ServerWriteReactor<v1::DownloadChunk> {
  public:
-  DownloadReactor(Backend& backend, std::function<Result<DownloadRange>()> find) : backend_(backend) {
+  DownloadReactor(Backend& backend, std::function<Result<DownloadRange>()> find)
+      : backend_(backend) {
     auto range = std::make_shared<Result<DownloadRange>>(Error{});
     backend.owner.post([range, find = std::move(find)] { *range = find(); },
                        [this, range](const Status& committed) {
@@ -48,7 +49,8 @@ class DownloadReactor : public grpc::ServerWriteReactor<v1::DownloadChunk> {
     if (offset_ == end_) return Finish(grpc::Status::OK);
     auto bytes = reader_->read(offset_, std::min(kChunkBytes, end_ - offset_));
     if (!bytes) return Finish(to_grpc(bytes.error()));
-    if (bytes->empty()) return Finish({grpc::StatusCode::DATA_LOSS, "the stored file is shorter than recorded"});
+    if (bytes->empty())
+      return Finish({grpc::StatusCode::DATA_LOSS, "the stored file is shorter than recorded"});
     if (started_) chunk_.clear_artifact();
     started_ = true;
     chunk_.set_offset_bytes(offset_);
@@ -66,8 +68,8 @@ class DownloadReactor : public grpc::ServerWriteReactor<v1::DownloadChunk> {
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::DownloadChunk>* send_artifact(Backend& backend,
-                                                           std::function<Result<DownloadRange>()> find) {
+grpc::ServerWriteReactor<v1::DownloadChunk>* send_artifact(
+    Backend& backend, std::function<Result<DownloadRange>()> find) {
   return new DownloadReactor(backend, std::move(find));
 }
 

@@ -17,7 +17,7 @@ struct DownloadRange {
 };
 
 // `find` runs on the owner thread and says what to send.
-grpc::ServerWriteReactor<v1::DownloadChunk>* send_artifact(Backend& backend,
-                                                           std::function<Result<DownloadRange>()> find);
+grpc::ServerWriteReactor<v1::DownloadChunk>* send_artifact(
+    Backend& backend, std::function<Result<DownloadRange>()> find);
 
 }  // namespace granary::server

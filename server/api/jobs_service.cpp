@@ -39,15 +39,18 @@ Status fill(const Result<JobRecord>& job, v1::Job* response) {
 }
 
 Result<Submission> read_submission(const v1::SubmitJobsRequest& request) {
-  if (request.items_size() == 0) return Error{ErrorCode::invalid_argument, "items is empty: nothing to submit", "items"};
+  if (request.items_size() == 0)
+    return Error{ErrorCode::invalid_argument, "items is empty: nothing to submit", "items"};
   if (request.items_size() > kMaxBatch)
-    return Error{ErrorCode::invalid_argument, "items has more than " + std::to_string(kMaxBatch) + " entries", "items"};
+    return Error{ErrorCode::invalid_argument,
+                 "items has more than " + std::to_string(kMaxBatch) + " entries", "items"};
   Submission submission;
   submission.request_id = request.request_id();
   for (int i = 0; i < request.items_size(); ++i) {
     auto job = to_new_job(request.items(i), "local");
     if (!job) {
-      const std::string prefix = request.items_size() > 1 ? "items[" + std::to_string(i) + "]: " : "";
+      const std::string prefix =
+          request.items_size() > 1 ? "items[" + std::to_string(i) + "]: " : "";
       return Error{job.error().code, prefix + job.error().message, job.error().field_path};
     }
     submission.jobs.push_back(std::move(*job));
@@ -62,19 +65,21 @@ grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* conte
                                               v1::SubmitJobsResponse* response) {
   auto submission = read_submission(*request);  // parsing and resolving stay off the owner thread
   if (!submission) return refuse(context, submission.error());
-  return answer_on_owner(backend_, context, [this, response, submission = std::move(*submission)]() -> Status {
-    auto ids = backend_.dispatcher.submit(submission, system_now());
-    if (!ids) return ids.error();
-    for (const JobId id : *ids) response->add_names(job_name(id));
-    return Done{};
-  });
+  return answer_on_owner(backend_, context,
+                         [this, response, submission = std::move(*submission)]() -> Status {
+                           auto ids = backend_.dispatcher.submit(submission, system_now());
+                           if (!ids) return ids.error();
+                           for (const JobId id : *ids) response->add_names(job_name(id));
+                           return Done{};
+                         });
 }
 
 grpc::ServerUnaryReactor* JobsService::Get(grpc::CallbackServerContext* context,
                                            const v1::GetJobRequest* request, v1::Job* response) {
   return about_job(backend_, context, request, [this, response](JobId id) {
     Status status = fill(backend_.dispatcher.find(id), response);
-    if (const v1::JobEvent* event = backend_.dispatcher.progress(id)) *response->mutable_progress() = event->progress();
+    if (const v1::JobEvent* event = backend_.dispatcher.progress(id))
+      *response->mutable_progress() = event->progress();
     return status;
   });
 }
@@ -90,13 +95,15 @@ grpc::ServerUnaryReactor* JobsService::List(grpc::CallbackServerContext* context
   const std::string& token = request->page_token();
   if (!token.empty() &&
       std::from_chars(token.data(), token.data() + token.size(), filter.before).ec != std::errc())
-    return refuse(context, {ErrorCode::invalid_argument, "page_token is not one of ours", "page_token"});
+    return refuse(context,
+                  {ErrorCode::invalid_argument, "page_token is not one of ours", "page_token"});
   return answer_on_owner(backend_, context, [this, response, filter]() -> Status {
     const auto jobs = backend_.store.list_jobs(filter);
     for (const JobRecord& job : jobs) {
       v1::Job* message = response->add_jobs();
       *message = to_message(job);
-      if (const v1::JobEvent* event = backend_.dispatcher.progress(job.id)) *message->mutable_progress() = event->progress();
+      if (const v1::JobEvent* event = backend_.dispatcher.progress(job.id))
+        *message->mutable_progress() = event->progress();
     }
     if (jobs.size() == filter.limit) response->set_next_page_token(std::to_string(jobs.back().id));
     return Done{};
@@ -109,22 +116,26 @@ grpc::ServerWriteReactor<v1::JobEvent>* JobsService::Watch(grpc::CallbackServerC
 }
 
 grpc::ServerUnaryReactor* JobsService::Cancel(grpc::CallbackServerContext* context,
-                                              const v1::CancelJobRequest* request, v1::Job* response) {
+                                              const v1::CancelJobRequest* request,
+                                              v1::Job* response) {
   return about_job(backend_, context, request, [this, response](JobId id) {
     return fill(backend_.dispatcher.cancel(id, system_now()), response);
   });
 }
 
 grpc::ServerUnaryReactor* JobsService::Retry(grpc::CallbackServerContext* context,
-                                             const v1::RetryJobRequest* request, v1::Job* response) {
+                                             const v1::RetryJobRequest* request,
+                                             v1::Job* response) {
   return about_job(backend_, context, request, [this, response](JobId id) {
     return fill(backend_.dispatcher.retry(id, system_now()), response);
   });
 }
 
 grpc::ServerUnaryReactor* JobsService::Delete(grpc::CallbackServerContext* context,
-                                              const v1::DeleteJobRequest* request, v1::DeleteJobResponse*) {
-  return about_job(backend_, context, request, [this](JobId id) { return backend_.dispatcher.remove(id); });
+                                              const v1::DeleteJobRequest* request,
+                                              v1::DeleteJobResponse*) {
+  return about_job(backend_, context, request,
+                   [this](JobId id) { return backend_.dispatcher.remove(id); });
 }
 
 grpc::ServerUnaryReactor* JobsService::GetValues(grpc::CallbackServerContext* context,
@@ -138,7 +149,8 @@ grpc::ServerUnaryReactor* JobsService::GetValues(grpc::CallbackServerContext* co
     response->set_state(job->state);
     response->set_error(job->error);
     response->set_timed_out(job->timed_out);
-    if (auto result = backend_.store.find_result(id)) *response->mutable_result() = std::move(*result);
+    if (auto result = backend_.store.find_result(id))
+      *response->mutable_result() = std::move(*result);
     return Done{};
   });
 }
@@ -153,8 +165,8 @@ grpc::ServerUnaryReactor* JobsService::GetLogs(grpc::CallbackServerContext* cont
   });
 }
 
-grpc::ServerWriteReactor<v1::DownloadChunk>* JobsService::Download(grpc::CallbackServerContext*,
-                                                                   const v1::DownloadRequest* request) {
+grpc::ServerWriteReactor<v1::DownloadChunk>* JobsService::Download(
+    grpc::CallbackServerContext*, const v1::DownloadRequest* request) {
   backend_.touch();
   return send_artifact(backend_, [this, request]() -> Result<DownloadRange> {
     const auto id = job_id_from(request->name());
@@ -162,8 +174,10 @@ grpc::ServerWriteReactor<v1::DownloadChunk>* JobsService::Download(grpc::Callbac
     auto job = backend_.dispatcher.find(*id);
     if (!job) return job.error();
     if (job->result_sha256.empty())
-      return Error{ErrorCode::failed_precondition, request->name() + " has no result file yet", "name"};
-    return DownloadRange{{job->result_sha256, job->result_bytes}, request->offset_bytes(), request->limit_bytes()};
+      return Error{ErrorCode::failed_precondition, request->name() + " has no result file yet",
+                   "name"};
+    return DownloadRange{
+        {job->result_sha256, job->result_bytes}, request->offset_bytes(), request->limit_bytes()};
   });
 }
 

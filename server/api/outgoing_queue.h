@@ -1,6 +1,6 @@
 // The write side of a gRPC stream reactor. gRPC allows one write at a time and reads the message
-// until OnWriteDone, so the queue owns what is being written. Finish is called once, when nothing is
-// in flight; after that the reactor is never touched again. Any thread may push.
+// until OnWriteDone, so the queue owns what is being written. Finish is called once, when nothing
+// is in flight; after that the reactor is never touched again. Any thread may push.
 #pragma once
 
 #include <deque>
@@ -27,8 +27,10 @@ class OutgoingQueue {
     {
       std::lock_guard lock(mutex_);
       if (finish_) return;
-      if (replaces_last && !queue_.empty() && replaces_last(queue_.back())) queue_.back() = std::move(message);
-      else queue_.push_back(std::move(message));
+      if (replaces_last && !queue_.empty() && replaces_last(queue_.back()))
+        queue_.back() = std::move(message);
+      else
+        queue_.push_back(std::move(message));
     }
     pump();
   }

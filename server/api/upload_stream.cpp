@@ -9,12 +9,15 @@ constexpr std::uint64_t kMaxArtifactBytes = 64ull << 30;
 
 class UploadReactor : public grpc::ServerReadReactor<v1::UploadChunk> {
  public:
-  UploadReactor(Backend& backend, v1::UploadResponse* response) : backend_(backend), response_(response) {
+  UploadReactor(Backend& backend, v1::UploadResponse* response)
+      : backend_(backend), response_(response) {
     StartRead(&chunk_);
   }
 
   void OnReadDone(bool ok) override {
-    if (!incoming_) return ok ? begin() : Finish({grpc::StatusCode::INVALID_ARGUMENT, "an upload starts with a header"});
+    if (!incoming_)
+      return ok ? begin()
+                : Finish({grpc::StatusCode::INVALID_ARGUMENT, "an upload starts with a header"});
     if (!ok) return publish();
     append();
   }
@@ -24,14 +27,17 @@ class UploadReactor : public grpc::ServerReadReactor<v1::UploadChunk> {
   // The fencing token decides: only the present holder of the task may deliver.
   void begin() {
     const auto task = task_id_from(chunk_.header().task());
-    if (!chunk_.has_header() || !task) return Finish({grpc::StatusCode::INVALID_ARGUMENT, "an upload starts with a header"});
+    if (!chunk_.has_header() || !task)
+      return Finish({grpc::StatusCode::INVALID_ARGUMENT, "an upload starts with a header"});
     if (chunk_.header().artifact().size_bytes() > kMaxArtifactBytes)
       return Finish({grpc::StatusCode::INVALID_ARGUMENT, "artifact.size_bytes is beyond 64 GiB"});
     auto held = std::make_shared<bool>(false);
     backend_.owner.post([this, held, task = *task] { *held = backend_.dispatcher.holds(task); },
                         [this, held](const Status& committed) {
                           if (!committed.ok()) return Finish(to_grpc(committed));
-                          if (!*held) return Finish({grpc::StatusCode::FAILED_PRECONDITION, "this task belongs to another execution now"});
+                          if (!*held)
+                            return Finish({grpc::StatusCode::FAILED_PRECONDITION,
+                                           "this task belongs to another execution now"});
                           receive();
                         });
   }
@@ -46,7 +52,8 @@ class UploadReactor : public grpc::ServerReadReactor<v1::UploadChunk> {
 
   void append() {
     received_ += chunk_.data().size();
-    if (received_ > declared_.size_bytes) return Finish({grpc::StatusCode::INVALID_ARGUMENT, "more bytes than declared"});
+    if (received_ > declared_.size_bytes)
+      return Finish({grpc::StatusCode::INVALID_ARGUMENT, "more bytes than declared"});
     if (Status status = incoming_->append(chunk_.data()); !status) return Finish(to_grpc(status));
     chunk_.Clear();
     StartRead(&chunk_);
@@ -70,7 +77,8 @@ class UploadReactor : public grpc::ServerReadReactor<v1::UploadChunk> {
 
 }  // namespace
 
-grpc::ServerReadReactor<v1::UploadChunk>* receive_upload(Backend& backend, v1::UploadResponse* response) {
+grpc::ServerReadReactor<v1::UploadChunk>* receive_upload(Backend& backend,
+                                                         v1::UploadResponse* response) {
   return new UploadReactor(backend, response);
 }
 

@@ -8,6 +8,7 @@
 
 namespace granary::server {
 
-grpc::ServerReadReactor<v1::UploadChunk>* receive_upload(Backend& backend, v1::UploadResponse* response);
+grpc::ServerReadReactor<v1::UploadChunk>* receive_upload(Backend& backend,
+                                                         v1::UploadResponse* response);
 
 }  // namespace granary::server

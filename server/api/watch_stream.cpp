@@ -30,14 +30,14 @@ class WatchReactor : public grpc::ServerWriteReactor<v1::JobEvent> {
                            [this](grpc::Status status) { Finish(std::move(status)); }})) {
     const auto id = job_id_from(request.name());
     if (!id) {
-      watcher_->queue.finish({grpc::StatusCode::NOT_FOUND, "no job '" + request.name() + "', names look like jobs/17"});
+      watcher_->queue.finish({grpc::StatusCode::NOT_FOUND,
+                              "no job '" + request.name() + "', names look like jobs/17"});
       return;
     }
     job_ = *id;
     auto outcome = std::make_shared<Status>(Done{});
-    auto work = [&backend, job = job_, after = request.after_sequence(), watcher = watcher_, outcome] {
-      *outcome = backend.dispatcher.watch(job, after, watcher);
-    };
+    auto work = [&backend, job = job_, after = request.after_sequence(), watcher = watcher_,
+                 outcome] { *outcome = backend.dispatcher.watch(job, after, watcher); };
     auto reply = [watcher = watcher_, outcome](const Status& committed) {
       const Status& status = committed.ok() ? *outcome : committed;
       if (!status.ok()) watcher->queue.finish(to_grpc(status));
@@ -49,7 +49,8 @@ class WatchReactor : public grpc::ServerWriteReactor<v1::JobEvent> {
   void OnCancel() override { watcher_->queue.abort(grpc::Status::CANCELLED); }
   void OnDone() override {
     backend_.touch();
-    backend_.owner.post([&backend = backend_, job = job_, watcher = watcher_] { backend.dispatcher.unwatch(job, watcher.get()); },
+    backend_.owner.post([&backend = backend_, job = job_,
+                         watcher = watcher_] { backend.dispatcher.unwatch(job, watcher.get()); },
                         nullptr);
     delete this;
   }
@@ -62,7 +63,8 @@ class WatchReactor : public grpc::ServerWriteReactor<v1::JobEvent> {
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::JobEvent>* watch_job(Backend& backend, const v1::WatchJobRequest& request) {
+grpc::ServerWriteReactor<v1::JobEvent>* watch_job(Backend& backend,
+                                                  const v1::WatchJobRequest& request) {
   backend.touch();
   return new WatchReactor(backend, request);
 }

@@ -10,6 +10,7 @@
 
 namespace granary::server {
 
-grpc::ServerWriteReactor<v1::JobEvent>* watch_job(Backend& backend, const v1::WatchJobRequest& request);
+grpc::ServerWriteReactor<v1::JobEvent>* watch_job(Backend& backend,
+                                                  const v1::WatchJobRequest& request);
 
 }  // namespace granary::server

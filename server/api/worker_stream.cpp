@@ -39,7 +39,9 @@ class WorkerReactor : public grpc::ServerBidiReactor<v1::WorkerMessage, v1::Serv
   void OnCancel() override { link_->queue.abort(grpc::Status::CANCELLED); }
   void OnDone() override {
     if (!worker_id_.empty())
-      post([link = link_, worker = worker_id_](Dispatcher& d, Now now) { d.worker_disconnected(worker, link.get(), now); });
+      post([link = link_, worker = worker_id_](Dispatcher& d, Now now) {
+        d.worker_disconnected(worker, link.get(), now);
+      });
     delete this;
   }
 
@@ -48,13 +50,17 @@ class WorkerReactor : public grpc::ServerBidiReactor<v1::WorkerMessage, v1::Serv
   bool accept() {
     if (incoming_.has_hello()) return accept_hello();
     if (worker_id_.empty()) {
-      link_->queue.abort({grpc::StatusCode::FAILED_PRECONDITION, "the first message must be hello"});
+      link_->queue.abort(
+          {grpc::StatusCode::FAILED_PRECONDITION, "the first message must be hello"});
       return false;
     }
     post([worker = worker_id_, message = std::move(incoming_)](Dispatcher& d, Now now) {
-      if (message.has_heartbeat()) d.heartbeat(worker, message.heartbeat(), now);
-      else if (message.has_progress()) d.task_progress(worker, message.progress(), now);
-      else if (message.has_finished()) d.task_finished(worker, message.finished(), now);
+      if (message.has_heartbeat())
+        d.heartbeat(worker, message.heartbeat(), now);
+      else if (message.has_progress())
+        d.task_progress(worker, message.progress(), now);
+      else if (message.has_finished())
+        d.task_finished(worker, message.finished(), now);
     });
     return true;
   }
@@ -62,9 +68,11 @@ class WorkerReactor : public grpc::ServerBidiReactor<v1::WorkerMessage, v1::Serv
   bool accept_hello() {
     const v1::WorkerHello& hello = incoming_.hello();
     std::string refusal;
-    if (hello.worker_id().empty() || hello.slots() == 0) refusal = "hello needs worker_id and slots > 0";
+    if (hello.worker_id().empty() || hello.slots() == 0)
+      refusal = "hello needs worker_id and slots > 0";
     else if (hello.engine_version() != kEngineVersion)
-      refusal = "this worker's engine is " + hello.engine_version() + ", the server keys jobs on " + kEngineVersion;
+      refusal = "this worker's engine is " + hello.engine_version() + ", the server keys jobs on " +
+                kEngineVersion;
     if (!refusal.empty()) {
       link_->queue.abort({grpc::StatusCode::FAILED_PRECONDITION, refusal});
       return false;
@@ -75,8 +83,9 @@ class WorkerReactor : public grpc::ServerBidiReactor<v1::WorkerMessage, v1::Serv
   }
 
   void post(std::function<void(Dispatcher&, Now)> work) {
-    backend_.owner.post([&backend = backend_, work = std::move(work)] { work(backend.dispatcher, system_now()); },
-                        nullptr);
+    backend_.owner.post(
+        [&backend = backend_, work = std::move(work)] { work(backend.dispatcher, system_now()); },
+        nullptr);
   }
 
   Backend& backend_;

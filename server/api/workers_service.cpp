@@ -21,7 +21,8 @@ grpc::ServerWriteReactor<v1::DownloadChunk>* WorkersService::FetchArtifact(
   return send_artifact(backend_, [this, request]() -> Result<DownloadRange> {
     const auto task = task_id_from(request->task());
     if (!task || !backend_.dispatcher.holds(*task))
-      return Error{ErrorCode::failed_precondition, "this task belongs to another execution now", "task"};
+      return Error{ErrorCode::failed_precondition, "this task belongs to another execution now",
+                   "task"};
     auto bytes = backend_.artifacts.size_of(request->sha256());
     if (!bytes) return bytes.error();
     return DownloadRange{{request->sha256(), *bytes}, 0, 0};
@@ -32,7 +33,8 @@ grpc::ServerUnaryReactor* WorkersService::List(grpc::CallbackServerContext* cont
                                                const v1::ListWorkersRequest*,
                                                v1::ListWorkersResponse* response) {
   return answer_on_owner(backend_, context, [this, response]() -> Status {
-    for (v1::WorkerInfo& info : backend_.dispatcher.list_workers(system_now())) *response->add_workers() = std::move(info);
+    for (v1::WorkerInfo& info : backend_.dispatcher.list_workers(system_now()))
+      *response->add_workers() = std::move(info);
     return Done{};
   });
 }

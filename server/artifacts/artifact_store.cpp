@@ -10,7 +10,8 @@ namespace granary::server {
 namespace {
 
 Error io_error(const std::string& what) {
-  const ErrorCode code = errno == ENOSPC || errno == EDQUOT ? ErrorCode::resource_exhausted : ErrorCode::internal;
+  const ErrorCode code =
+      errno == ENOSPC || errno == EDQUOT ? ErrorCode::resource_exhausted : ErrorCode::internal;
   return {code, what + ": " + std::strerror(errno), ""};
 }
 
@@ -46,13 +47,16 @@ Status IncomingArtifact::append(std::string_view bytes) {
   return Done{};
 }
 
-ArtifactReader::~ArtifactReader() { ::close(descriptor_); }
+ArtifactReader::~ArtifactReader() {
+  ::close(descriptor_);
+}
 
 Result<std::string> ArtifactReader::read(std::uint64_t offset, std::size_t bytes) const {
   std::string buffer(bytes, '\0');
   std::size_t have = 0;
   while (have < bytes) {
-    const ssize_t got = ::pread(descriptor_, buffer.data() + have, bytes - have, static_cast<off_t>(offset + have));
+    const ssize_t got =
+        ::pread(descriptor_, buffer.data() + have, bytes - have, static_cast<off_t>(offset + have));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return io_error("cannot read the artifact");
     if (got == 0) break;
@@ -74,8 +78,10 @@ std::filesystem::path ArtifactStore::path_of(const std::string& sha256) const {
 
 Result<std::uint64_t> ArtifactStore::size_of(const std::string& sha256) const {
   std::error_code error;
-  const std::uint64_t bytes = is_sha256_hex(sha256) ? std::filesystem::file_size(path_of(sha256), error) : 0;
-  if (!is_sha256_hex(sha256) || error) return Error{ErrorCode::not_found, "there is no such artifact", "sha256"};
+  const std::uint64_t bytes =
+      is_sha256_hex(sha256) ? std::filesystem::file_size(path_of(sha256), error) : 0;
+  if (!is_sha256_hex(sha256) || error)
+    return Error{ErrorCode::not_found, "there is no such artifact", "sha256"};
   return bytes;
 }
 
@@ -86,16 +92,20 @@ Result<std::unique_ptr<IncomingArtifact>> ArtifactStore::receive() {
   return std::make_unique<IncomingArtifact>(name, descriptor);
 }
 
-Status ArtifactStore::publish(std::unique_ptr<IncomingArtifact> incoming, const ArtifactId& declared) {
+Status ArtifactStore::publish(std::unique_ptr<IncomingArtifact> incoming,
+                              const ArtifactId& declared) {
   if (!is_sha256_hex(declared.sha256))
-    return Error{ErrorCode::invalid_argument, "artifact.sha256 must be 64 hex digits", "artifact.sha256"};
+    return Error{ErrorCode::invalid_argument, "artifact.sha256 must be 64 hex digits",
+                 "artifact.sha256"};
   if (incoming->size_bytes_ != declared.size_bytes || incoming->hash_.hex() != declared.sha256)
-    return Error{ErrorCode::data_loss, "the upload is not what its checksum says", "artifact.sha256"};
+    return Error{ErrorCode::data_loss, "the upload is not what its checksum says",
+                 "artifact.sha256"};
   if (::fsync(incoming->descriptor_) != 0) return io_error("cannot sync the upload");
   const std::filesystem::path target = path_of(declared.sha256);
   std::error_code error;
   std::filesystem::create_directories(target.parent_path(), error);
-  if (::rename(incoming->file_.c_str(), target.c_str()) != 0) return io_error("cannot publish the upload");
+  if (::rename(incoming->file_.c_str(), target.c_str()) != 0)
+    return io_error("cannot publish the upload");
   incoming->file_.clear();
   if (Status status = sync_folder(target.parent_path()); !status) return status;
   return sync_folder(folder_);

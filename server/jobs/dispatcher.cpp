@@ -10,7 +10,9 @@ namespace {
 
 constexpr std::int64_t kForgetLostWorkerMs = 3'600'000;
 
-Error not_found(JobId id) { return {ErrorCode::not_found, "no job " + job_name(id), "name"}; }
+Error not_found(JobId id) {
+  return {ErrorCode::not_found, "no job " + job_name(id), "name"};
+}
 
 v1::JobEvent to_event(const EventRecord& record) {
   v1::JobEvent event;
@@ -55,7 +57,8 @@ JobId Dispatcher::insert(const NewJob& job, Now now) {
   record.result_bytes = stored->result_bytes;
   store_.share_result(stored->id, id);
   store_.update_job(record);
-  store_.append_event(id, {next_sequence(), now.wall_ms, v1::COMPLETE, "stored result of " + job_name(stored->id)});
+  store_.append_event(
+      id, {next_sequence(), now.wall_ms, v1::COMPLETE, "stored result of " + job_name(stored->id)});
   return id;
 }
 
@@ -64,7 +67,9 @@ Result<std::vector<JobId>> Dispatcher::submit(const Submission& submission, Now 
     if (auto earlier = store_.find_request(submission.request_id)) return *earlier;
   if (counts_.waiting + submission.jobs.size() > limits_.max_waiting)
     return Error{ErrorCode::resource_exhausted,
-                 "the queue is full (" + std::to_string(limits_.max_waiting) + " waiting jobs), retry in 10 s", ""};
+                 "the queue is full (" + std::to_string(limits_.max_waiting) +
+                     " waiting jobs), retry in 10 s",
+                 ""};
   std::vector<JobId> ids;
   ids.reserve(submission.jobs.size());
   for (const NewJob& job : submission.jobs) ids.push_back(insert(job, now));
@@ -106,7 +111,8 @@ Result<JobRecord> Dispatcher::retry(JobId id, Now now) {
   if (job->state != v1::ERROR && job->state != v1::UNSTABLE && job->state != v1::CANCELLED)
     return Error{ErrorCode::failed_precondition,
                  job_name(id) + " is " + std::string(to_string(job->state)) +
-                     "; only error, unstable and cancelled jobs can be retried", "name"};
+                     "; only error, unstable and cancelled jobs can be retried",
+                 "name"};
   job->state = v1::WAITING;
   job->cancel_requested = job->timed_out = false;
   job->lost_workers = job->engine_crashes = 0;
@@ -123,7 +129,8 @@ Status Dispatcher::remove(JobId id) {
   if (!job) return not_found(id);
   if (!is_final(job->state))
     return Error{ErrorCode::failed_precondition,
-                 job_name(id) + " is " + std::string(to_string(job->state)) + "; cancel it first", "name"};
+                 job_name(id) + " is " + std::string(to_string(job->state)) + "; cancel it first",
+                 "name"};
   store_.delete_job(id);
   return Done{};
 }
@@ -132,7 +139,8 @@ Status Dispatcher::watch(JobId id, std::uint64_t after_sequence, std::shared_ptr
   const auto job = store_.find_job(id);
   if (!job) return not_found(id);
   std::vector<v1::JobEvent> backlog;
-  for (const EventRecord& record : store_.events_after(id, after_sequence)) backlog.push_back(to_event(record));
+  for (const EventRecord& record : store_.events_after(id, after_sequence))
+    backlog.push_back(to_event(record));
   const bool ended = is_final(job->state);
   // After the commit, so that a watcher sees each event of this batch once and in order.
   effects_.push_back([this, id, ended, backlog = std::move(backlog), watcher = std::move(watcher)] {
@@ -144,7 +152,9 @@ Status Dispatcher::watch(JobId id, std::uint64_t after_sequence, std::shared_ptr
   return Done{};
 }
 
-void Dispatcher::unwatch(JobId id, const Watcher* watcher) { hub_.unsubscribe(id, watcher); }
+void Dispatcher::unwatch(JobId id, const Watcher* watcher) {
+  hub_.unsubscribe(id, watcher);
+}
 
 // ----------------------------------------------------------------------------------------- workers
 
@@ -159,8 +169,10 @@ void Dispatcher::worker_connected(const v1::WorkerHello& hello, std::shared_ptr<
   std::vector<TaskId> held;
   for (const v1::HeldTask& task : hello.held()) {
     const auto id = task_id_from(task.task());
-    if (id && leases_.renew(*id, hello.worker_id(), now.steady_ms)) held.push_back(*id);
-    else if (id) drop(hello.worker_id(), *id);
+    if (id && leases_.renew(*id, hello.worker_id(), now.steady_ms))
+      held.push_back(*id);
+    else if (id)
+      drop(hello.worker_id(), *id);
   }
   // What it should hold but does not was assigned in a message that never arrived.
   for (const Lease& lease : leases_.of_worker(hello.worker_id())) {
@@ -171,11 +183,13 @@ void Dispatcher::worker_connected(const v1::WorkerHello& hello, std::shared_ptr<
   fill_slots(now);
 }
 
-void Dispatcher::worker_disconnected(const std::string& worker_id, const WorkerLink* link, Now now) {
+void Dispatcher::worker_disconnected(const std::string& worker_id, const WorkerLink* link,
+                                     Now now) {
   if (registry_.disconnect(worker_id, link)) leases_.shorten(worker_id, now.steady_ms);
 }
 
-void Dispatcher::heartbeat(const std::string& worker_id, const v1::WorkerHeartbeat& message, Now now) {
+void Dispatcher::heartbeat(const std::string& worker_id, const v1::WorkerHeartbeat& message,
+                           Now now) {
   registry_.seen(worker_id, now.steady_ms);
   registry_.set_draining(worker_id, message.draining());
   for (const v1::HeldTask& task : message.held()) {
@@ -184,7 +198,8 @@ void Dispatcher::heartbeat(const std::string& worker_id, const v1::WorkerHeartbe
   }
 }
 
-void Dispatcher::task_progress(const std::string& worker_id, const v1::TaskProgress& message, Now now) {
+void Dispatcher::task_progress(const std::string& worker_id, const v1::TaskProgress& message,
+                               Now now) {
   const auto task = task_id_from(message.task());
   registry_.seen(worker_id, now.steady_ms);
   if (!task) return;
@@ -199,7 +214,8 @@ void Dispatcher::task_progress(const std::string& worker_id, const v1::TaskProgr
   hub_.publish(job, event);
 }
 
-void Dispatcher::task_finished(const std::string& worker_id, const v1::TaskFinished& message, Now now) {
+void Dispatcher::task_finished(const std::string& worker_id, const v1::TaskFinished& message,
+                               Now now) {
   const auto task = task_id_from(message.task());
   registry_.seen(worker_id, now.steady_ms);
   if (!task) return;
@@ -219,7 +235,8 @@ void Dispatcher::task_finished(const std::string& worker_id, const v1::TaskFinis
   fill_slots(now);
 }
 
-void Dispatcher::end_execution(JobRecord job, ExecutionEnd end, const std::string& message, Now now) {
+void Dispatcher::end_execution(JobRecord job, ExecutionEnd end, const std::string& message,
+                               Now now) {
   const TaskId task = job.task;
   store_.end_task(task, now.wall_ms, outcome_text(end), message);
   leases_.end(task);
@@ -283,8 +300,10 @@ void Dispatcher::tick(Now now) {
   for (const Lease& lease : leases_.expired(now.steady_ms)) {
     auto job = store_.find_job(lease.job);
     if (job && job->task == lease.task)
-      end_execution(std::move(*job), ExecutionEnd::worker_lost, "worker " + lease.worker + " was lost", now);
-    else leases_.end(lease.task);
+      end_execution(std::move(*job), ExecutionEnd::worker_lost,
+                    "worker " + lease.worker + " was lost", now);
+    else
+      leases_.end(lease.task);
     drop(lease.worker, lease.task);
     // Silent for a whole lease: a stream that still looks open leads nowhere.
     if (Worker* worker = registry_.find(lease.worker); worker && worker->link)
@@ -317,12 +336,15 @@ std::vector<v1::WorkerInfo> Dispatcher::list_workers(Now now) {
   return out;
 }
 
-QueueCounts Dispatcher::counts() { return counts_; }
+QueueCounts Dispatcher::counts() {
+  return counts_;
+}
 
 std::uint32_t Dispatcher::free_slots() {
   std::uint32_t free = 0;
   for (const auto& [id, worker] : registry_.all())
-    if (worker.link && !worker.draining) free += worker.hello.slots() - std::min(worker.hello.slots(), busy_slots(worker));
+    if (worker.link && !worker.draining)
+      free += worker.hello.slots() - std::min(worker.hello.slots(), busy_slots(worker));
   return free;
 }
 
@@ -333,7 +355,9 @@ std::uint32_t Dispatcher::busy_slots(const Worker& worker) const {
 void Dispatcher::send(const std::string& worker_id, v1::ServerMessage message) {
   const Worker* worker = registry_.find(worker_id);
   if (!worker || !worker->link) return;
-  effects_.push_back([link = worker->link, message = std::move(message)]() mutable { link->send(std::move(message)); });
+  effects_.push_back([link = worker->link, message = std::move(message)]() mutable {
+    link->send(std::move(message));
+  });
 }
 
 void Dispatcher::drop(const std::string& worker_id, TaskId task) {

@@ -20,7 +20,8 @@ class JobStore {
   virtual std::optional<JobRecord> find_job(JobId id) = 0;
   virtual void update_job(const JobRecord& job) = 0;  // everything but id, scenes, key, tags
   virtual void delete_job(JobId id) = 0;
-  virtual std::vector<JobRecord> list_jobs(const ListFilter& filter) = 0;  // newest first, no scenes
+  virtual std::vector<JobRecord> list_jobs(
+      const ListFilter& filter) = 0;  // newest first, no scenes
   virtual QueueCounts count_jobs() = 0;
 
   // The waiting job to run next: by rank = submission time - 10 min per priority level, so that

@@ -16,9 +16,17 @@ std::optional<std::int64_t> id_after(const std::string& name, std::string_view p
 
 }  // namespace
 
-std::string job_name(JobId id) { return "jobs/" + std::to_string(id); }
-std::optional<JobId> job_id_from(const std::string& name) { return id_after(name, "jobs/"); }
-std::string task_name(TaskId id) { return "tasks/" + std::to_string(id); }
-std::optional<TaskId> task_id_from(const std::string& name) { return id_after(name, "tasks/"); }
+std::string job_name(JobId id) {
+  return "jobs/" + std::to_string(id);
+}
+std::optional<JobId> job_id_from(const std::string& name) {
+  return id_after(name, "jobs/");
+}
+std::string task_name(TaskId id) {
+  return "tasks/" + std::to_string(id);
+}
+std::optional<TaskId> task_id_from(const std::string& name) {
+  return id_after(name, "tasks/");
+}
 
 }  // namespace granary::server

@@ -37,9 +37,9 @@ struct JobRecord {
   std::int64_t started_ms = 0;  // 0 = not yet
   std::int64_t ended_ms = 0;
   std::uint32_t attempts = 0;
-  std::uint32_t lost_workers = 0;   // executions that ended with their worker
+  std::uint32_t lost_workers = 0;  // executions that ended with their worker
   std::uint32_t engine_crashes = 0;
-  TaskId task = 0;                  // current execution; 0 = none
+  TaskId task = 0;  // current execution; 0 = none
   bool cancel_requested = false;
   std::string worker;
   std::string error;

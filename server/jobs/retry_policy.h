@@ -11,7 +11,16 @@ namespace granary::server {
 inline constexpr std::uint32_t kLostWorkerBudget = 5;
 inline constexpr std::uint32_t kEngineCrashBudget = 2;
 
-enum class ExecutionEnd { complete, error, unstable, cancelled, timed_out, crashed, released, worker_lost };
+enum class ExecutionEnd {
+  complete,
+  error,
+  unstable,
+  cancelled,
+  timed_out,
+  crashed,
+  released,
+  worker_lost
+};
 
 std::string_view outcome_text(ExecutionEnd end);
 ExecutionEnd execution_end_of(v1::TaskFinished::Outcome outcome);

@@ -26,14 +26,17 @@ Error refuse(const std::string& address, const std::string& why) {
 Status check_listen_address(const std::string& address) {
   if (address.rfind("unix:", 0) == 0) {
     if (address.size() - 5 > kMaxSocketPath)
-      return refuse(address, "a socket path may have at most 107 bytes, choose a shorter --data or --listen");
+      return refuse(
+          address, "a socket path may have at most 107 bytes, choose a shorter --data or --listen");
     return Done{};
   }
   const std::size_t colon = address.rfind(':');
   if (colon == std::string::npos || !is_port(std::string_view(address).substr(colon + 1)))
     return refuse(address, "must be unix:PATH or HOST:PORT");
   if (!is_loopback(std::string_view(address).substr(0, colon)))
-    return refuse(address, "is not a loopback address, which needs TLS and a token; use 127.0.0.1:PORT or unix:PATH");
+    return refuse(
+        address,
+        "is not a loopback address, which needs TLS and a token; use 127.0.0.1:PORT or unix:PATH");
   return Done{};
 }
 

@@ -18,7 +18,8 @@
 namespace granary::server {
 namespace {
 
-constexpr int kMaxMessageBytes = 64 << 20;  // a batch of 10,000 scenes; single scenes are far smaller
+constexpr int kMaxMessageBytes = 64
+                                 << 20;  // a batch of 10,000 scenes; single scenes are far smaller
 
 class RunningServer : public Server {
  public:
@@ -57,9 +58,11 @@ class RunningServer : public Server {
     grpc_ = builder.BuildAndStart();
     ::umask(mask);
     if (!grpc_)
-      return Error{ErrorCode::failed_precondition, "cannot listen on " + config_.listen + ": is the address in use?", "listen"};
+      return Error{ErrorCode::failed_precondition,
+                   "cannot listen on " + config_.listen + ": is the address in use?", "listen"};
     address_ = config_.listen;
-    if (address_.rfind("unix:", 0) != 0) address_ = address_.substr(0, address_.rfind(':') + 1) + std::to_string(port);
+    if (address_.rfind("unix:", 0) != 0)
+      address_ = address_.substr(0, address_.rfind(':') + 1) + std::to_string(port);
     set_serving(true);
     return Done{};
   }
@@ -91,7 +94,8 @@ class RunningServer : public Server {
     dispatcher_.tick(now);
     if (config_.idle_exit_s <= 0) return;
     if (!dispatcher_.idle()) backend_.touch();
-    if (static_cast<double>(now.steady_ms - backend_.last_use_ms) > 1000 * config_.idle_exit_s) wants_to_exit_ = true;
+    if (static_cast<double>(now.steady_ms - backend_.last_use_ms) > 1000 * config_.idle_exit_s)
+      wants_to_exit_ = true;
   }
 
   // A commit has failed (disk full): memory forgets what never became true.

@@ -11,8 +11,8 @@ namespace granary::server {
 
 struct ServerConfig {
   std::filesystem::path data;
-  std::string listen;        // check_listen_address()
-  double idle_exit_s = 0;    // 0 = stay
+  std::string listen;      // check_listen_address()
+  double idle_exit_s = 0;  // 0 = stay
 };
 
 class Server {

@@ -19,7 +19,8 @@ void check_integrity(SQLite::Database& connection) {
 }  // namespace
 
 Database::Database(const std::filesystem::path& file)
-    : connection_(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE | SQLite::OPEN_NOMUTEX) {
+    : connection_(file.string(),
+                  SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE | SQLite::OPEN_NOMUTEX) {
   connection_.exec("PRAGMA journal_mode = WAL");
   connection_.exec("PRAGMA synchronous = FULL");  // a reply means the job survives a power cut
   connection_.exec("PRAGMA foreign_keys = ON");

@@ -20,7 +20,9 @@ class Database : public TransactionControl {
   void rollback() override;
   void savepoint() override { connection_.exec("SAVEPOINT request"); }
   void release_savepoint() override { connection_.exec("RELEASE request"); }
-  void rollback_to_savepoint() override { connection_.exec("ROLLBACK TO request; RELEASE request"); }
+  void rollback_to_savepoint() override {
+    connection_.exec("ROLLBACK TO request; RELEASE request");
+  }
 
   SQLite::Database& connection() { return connection_; }
 

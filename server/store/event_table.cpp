@@ -5,11 +5,16 @@
 namespace granary::server {
 
 EventTable::EventTable(SQLite::Database& c)
-    : insert_(c, "INSERT INTO job_event (job, sequence, time_ms, state, message) VALUES (?, ?, ?, ?, ?)"),
-      after_(c, "SELECT sequence, time_ms, state, message FROM job_event WHERE job = ? AND sequence > ? "
-                "ORDER BY sequence"),
-      insert_log_(c, "INSERT INTO job_log (job, line, text) VALUES (?1, "
-                     "(SELECT coalesce(max(line), 0) + 1 FROM job_log WHERE job = ?1), ?2)"),
+    : insert_(
+          c,
+          "INSERT INTO job_event (job, sequence, time_ms, state, message) VALUES (?, ?, ?, ?, ?)"),
+      after_(
+          c,
+          "SELECT sequence, time_ms, state, message FROM job_event WHERE job = ? AND sequence > ? "
+          "ORDER BY sequence"),
+      insert_log_(c,
+                  "INSERT INTO job_log (job, line, text) VALUES (?1, "
+                  "(SELECT coalesce(max(line), 0) + 1 FROM job_log WHERE job = ?1), ?2)"),
       logs_(c, "SELECT text FROM job_log WHERE job = ? ORDER BY line") {}
 
 void EventTable::append(JobId job, const EventRecord& event) {
@@ -28,8 +33,9 @@ std::vector<EventRecord> EventTable::after(JobId job, std::uint64_t sequence) {
   row->bind(2, static_cast<std::int64_t>(sequence));
   std::vector<EventRecord> events;
   while (row->executeStep())
-    events.push_back({static_cast<std::uint64_t>(row->getColumn(0).getInt64()), row->getColumn(1).getInt64(),
-                      static_cast<v1::JobState>(row->getColumn(2).getInt()), row->getColumn(3).getString()});
+    events.push_back(
+        {static_cast<std::uint64_t>(row->getColumn(0).getInt64()), row->getColumn(1).getInt64(),
+         static_cast<v1::JobState>(row->getColumn(2).getInt()), row->getColumn(3).getString()});
   return events;
 }
 

@@ -47,19 +47,28 @@ JobRecord read_job(SQLite::Statement& row) {
 
 JobTable::JobTable(SQLite::Database& c)
     : connection_(c),
-      insert_(c, "INSERT INTO job (kind, state, rank, priority, owner, key, scene, resolved, submitted_ms, "
-                 "time_limit_s) VALUES (?, 1, ?, ?, ?, ?, ?, ?, ?, ?)"),
+      insert_(c,
+              "INSERT INTO job (kind, state, rank, priority, owner, key, scene, resolved, "
+              "submitted_ms, "
+              "time_limit_s) VALUES (?, 1, ?, ?, ?, ?, ?, ?, ?, ?)"),
       insert_tag_(c, "INSERT INTO job_tag (job, name, value) VALUES (?, ?, ?)"),
       find_(c, "SELECT " + kColumns + ", scene, resolved FROM job WHERE id = ?"),
-      update_(c, "UPDATE job SET state = ?, started_ms = ?, ended_ms = ?, attempts = ?, lost_workers = ?, "
-                 "engine_crashes = ?, task = ?, cancel_requested = ?, worker = ?, error = ?, timed_out = ?, "
-                 "reused = ?, result_sha256 = ?, result_bytes = ? WHERE id = ?"),
+      update_(
+          c,
+          "UPDATE job SET state = ?, started_ms = ?, ended_ms = ?, attempts = ?, lost_workers = ?, "
+          "engine_crashes = ?, task = ?, cancel_requested = ?, worker = ?, error = ?, timed_out = "
+          "?, "
+          "reused = ?, result_sha256 = ?, result_bytes = ? WHERE id = ?"),
       erase_(c, "DELETE FROM job WHERE id = ?"),
-      waiting_(c, "SELECT " + kColumns + ", scene, resolved FROM job WHERE state = 1 AND "
-                  "(?1 = '' OR instr(?1, ',' || kind || ',')) ORDER BY rank, id LIMIT 1"),
-      complete_(c, "SELECT " + kColumns + " FROM job WHERE state = 3 AND key = ? AND reused = 0 LIMIT 1"),
+      waiting_(c, "SELECT " + kColumns +
+                      ", scene, resolved FROM job WHERE state = 1 AND "
+                      "(?1 = '' OR instr(?1, ',' || kind || ',')) ORDER BY rank, id LIMIT 1"),
+      complete_(
+          c, "SELECT " + kColumns + " FROM job WHERE state = 3 AND key = ? AND reused = 0 LIMIT 1"),
       tags_(c, "SELECT name, value FROM job_tag WHERE job = ?"),
-      counts_(c, "SELECT (SELECT count(*) FROM job WHERE state = 1), (SELECT count(*) FROM job WHERE state = 2)") {}
+      counts_(c,
+              "SELECT (SELECT count(*) FROM job WHERE state = 1), (SELECT count(*) FROM job WHERE "
+              "state = 2)") {}
 
 JobId JobTable::insert(const NewJob& job, std::int64_t submitted_ms) {
   Use row(insert_);
@@ -94,7 +103,8 @@ std::optional<JobRecord> JobTable::one(SQLite::Statement& statement, bool with_t
 void JobTable::read_tags(JobRecord& job) {
   Use tag(tags_);
   tag->bind(1, job.id);
-  while (tag->executeStep()) job.tags[tag->getColumn(0).getString()] = tag->getColumn(1).getString();
+  while (tag->executeStep())
+    job.tags[tag->getColumn(0).getString()] = tag->getColumn(1).getString();
 }
 
 std::optional<JobRecord> JobTable::find(JobId id) {
@@ -150,8 +160,8 @@ std::vector<JobRecord> JobTable::list(const ListFilter& filter) {
   if (filter.state) sql += " AND state = :state";
   if (!filter.kind.empty()) sql += " AND kind = :kind";
   for (std::size_t i = 0; i < filter.tags.size(); ++i)
-    sql += " AND EXISTS (SELECT 1 FROM job_tag WHERE job = job.id AND name = :n" + std::to_string(i) +
-           " AND value = :v" + std::to_string(i) + ")";
+    sql += " AND EXISTS (SELECT 1 FROM job_tag WHERE job = job.id AND name = :n" +
+           std::to_string(i) + " AND value = :v" + std::to_string(i) + ")";
   SQLite::Statement row(connection_, sql + " ORDER BY id DESC LIMIT :limit");
   if (filter.before > 0) row.bind(":before", filter.before);
   if (filter.state) row.bind(":state", static_cast<int>(*filter.state));

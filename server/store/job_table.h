@@ -29,7 +29,8 @@ class JobTable {
   void read_tags(JobRecord& job);
 
   SQLite::Database& connection_;
-  SQLite::Statement insert_, insert_tag_, find_, update_, erase_, waiting_, complete_, tags_, counts_;
+  SQLite::Statement insert_, insert_tag_, find_, update_, erase_, waiting_, complete_, tags_,
+      counts_;
 };
 
 }  // namespace granary::server

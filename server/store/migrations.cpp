@@ -107,13 +107,16 @@ int schema_of(SQLite::Database& connection) {
 
 }  // namespace
 
-int newest_schema() { return static_cast<int>(kMigrations.size()); }
+int newest_schema() {
+  return static_cast<int>(kMigrations.size());
+}
 
 void migrate(SQLite::Database& connection) {
   const int present = schema_of(connection);
   if (present > newest_schema())
-    throw std::runtime_error("the database has schema " + std::to_string(present) + ", this server knows up to " +
-                             std::to_string(newest_schema()) + ": use the newer granaryd");
+    throw std::runtime_error("the database has schema " + std::to_string(present) +
+                             ", this server knows up to " + std::to_string(newest_schema()) +
+                             ": use the newer granaryd");
   for (int version = present; version < newest_schema(); ++version) {
     SQLite::Transaction transaction(connection);
     connection.exec(kMigrations[static_cast<std::size_t>(version)]);

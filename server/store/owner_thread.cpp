@@ -14,7 +14,9 @@ constexpr std::size_t kMaxBatch = 512;
 OwnerThread::OwnerThread(TransactionControl& database, Hooks hooks)
     : database_(database), hooks_(std::move(hooks)), thread_([this] { run(); }) {}
 
-OwnerThread::~OwnerThread() { stop(); }
+OwnerThread::~OwnerThread() {
+  stop();
+}
 
 void OwnerThread::stop() {
   {
@@ -68,7 +70,8 @@ void OwnerThread::run_batch(std::deque<Item> batch, bool tick) {
     database_.commit();
   } catch (const std::exception& error) {
     database_.rollback();
-    committed = Error{ErrorCode::unavailable, std::string("the store cannot write: ") + error.what(), ""};
+    committed =
+        Error{ErrorCode::unavailable, std::string("the store cannot write: ") + error.what(), ""};
   }
   const bool ok = committed.ok();
   if (ok && hooks_.after_commit) hooks_.after_commit();

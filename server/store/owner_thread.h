@@ -1,7 +1,7 @@
 // The one thread that owns the database and all policy state. Requests are posted as closures; the
-// thread takes everything that has piled up, runs it in one transaction, commits once (one fsync for
-// many requests), and only then lets the replies and effects out. A closure that throws is undone
-// alone (savepoint); a failed commit fails every request of its batch.
+// thread takes everything that has piled up, runs it in one transaction, commits once (one fsync
+// for many requests), and only then lets the replies and effects out. A closure that throws is
+// undone alone (savepoint); a failed commit fails every request of its batch.
 #pragma once
 
 #include <condition_variable>
@@ -33,7 +33,7 @@ class OwnerThread {
   using Reply = std::function<void(const Status&)>;  // after commit; must not block
 
   struct Hooks {
-    std::function<void()> after_commit;  // send effects
+    std::function<void()> after_commit;         // send effects
     std::function<void()> after_failed_commit;  // rebuild memory from the database
     std::function<void()> on_tick;              // inside a transaction, every `tick_ms`
     int tick_ms = 500;

@@ -11,7 +11,8 @@ SqliteJobStore::SqliteJobStore(SQLite::Database& c)
       values_(c),
       events_(c),
       find_request_(c, "SELECT first_job, job_count FROM request WHERE id = ?"),
-      put_request_(c, "INSERT INTO request (id, first_job, job_count, created_ms) VALUES (?, ?, ?, ?)") {}
+      put_request_(
+          c, "INSERT INTO request (id, first_job, job_count, created_ms) VALUES (?, ?, ?, ?)") {}
 
 // A submission is one transaction, so its job ids are consecutive.
 std::optional<std::vector<JobId>> SqliteJobStore::find_request(const std::string& request_id) {

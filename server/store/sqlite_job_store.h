@@ -13,17 +13,28 @@ class SqliteJobStore : public JobStore {
  public:
   explicit SqliteJobStore(SQLite::Database& connection);
 
-  JobId insert_job(const NewJob& job, std::int64_t submitted_ms) override { return jobs_.insert(job, submitted_ms); }
+  JobId insert_job(const NewJob& job, std::int64_t submitted_ms) override {
+    return jobs_.insert(job, submitted_ms);
+  }
   std::optional<JobRecord> find_job(JobId id) override { return jobs_.find(id); }
   void update_job(const JobRecord& job) override { jobs_.update(job); }
   void delete_job(JobId id) override { jobs_.erase(id); }
   std::vector<JobRecord> list_jobs(const ListFilter& filter) override { return jobs_.list(filter); }
   QueueCounts count_jobs() override { return jobs_.counts(); }
-  std::optional<JobRecord> next_waiting(const std::vector<std::string>& kinds) override { return jobs_.next_waiting(kinds); }
-  std::optional<JobRecord> find_complete(const std::string& key) override { return jobs_.find_complete(key); }
+  std::optional<JobRecord> next_waiting(const std::vector<std::string>& kinds) override {
+    return jobs_.next_waiting(kinds);
+  }
+  std::optional<JobRecord> find_complete(const std::string& key) override {
+    return jobs_.find_complete(key);
+  }
 
-  TaskId insert_task(JobId job, const std::string& worker, std::int64_t started_ms) override { return tasks_.insert(job, worker, started_ms); }
-  void end_task(TaskId task, std::int64_t ended_ms, std::string_view outcome, std::string_view message) override { tasks_.end(task, ended_ms, outcome, message); }
+  TaskId insert_task(JobId job, const std::string& worker, std::int64_t started_ms) override {
+    return tasks_.insert(job, worker, started_ms);
+  }
+  void end_task(TaskId task, std::int64_t ended_ms, std::string_view outcome,
+                std::string_view message) override {
+    tasks_.end(task, ended_ms, outcome, message);
+  }
   std::vector<TaskRecord> open_tasks() override { return tasks_.open(); }
 
   void put_result(JobId job, const v1::Result& result) override { values_.put(job, result); }
@@ -31,12 +42,17 @@ class SqliteJobStore : public JobStore {
   void share_result(JobId from, JobId to) override { values_.share(from, to); }
 
   void append_event(JobId job, const EventRecord& event) override { events_.append(job, event); }
-  std::vector<EventRecord> events_after(JobId job, std::uint64_t sequence) override { return events_.after(job, sequence); }
-  void append_logs(JobId job, const std::vector<std::string>& lines) override { events_.append_logs(job, lines); }
+  std::vector<EventRecord> events_after(JobId job, std::uint64_t sequence) override {
+    return events_.after(job, sequence);
+  }
+  void append_logs(JobId job, const std::vector<std::string>& lines) override {
+    events_.append_logs(job, lines);
+  }
   std::vector<std::string> logs(JobId job) override { return events_.logs(job); }
 
   std::optional<std::vector<JobId>> find_request(const std::string& request_id) override;
-  void put_request(const std::string& request_id, const std::vector<JobId>& jobs, std::int64_t now_ms) override;
+  void put_request(const std::string& request_id, const std::vector<JobId>& jobs,
+                   std::int64_t now_ms) override;
   std::uint64_t next_epoch() override;
 
  private:

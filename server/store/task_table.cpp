@@ -19,7 +19,8 @@ TaskId TaskTable::insert(JobId job, const std::string& worker, std::int64_t star
   return connection_.getLastInsertRowid();
 }
 
-void TaskTable::end(TaskId task, std::int64_t ended_ms, std::string_view outcome, std::string_view message) {
+void TaskTable::end(TaskId task, std::int64_t ended_ms, std::string_view outcome,
+                    std::string_view message) {
   Use row(end_);
   row->bind(1, ended_ms);
   row->bind(2, std::string(outcome));

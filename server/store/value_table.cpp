@@ -10,10 +10,16 @@ ValueTable::ValueTable(SQLite::Database& c)
     : put_(c, "INSERT OR REPLACE INTO result (job, message) VALUES (?, ?)"),
       find_(c, "SELECT message FROM result WHERE job = ?"),
       clear_(c, "DELETE FROM job_value WHERE job = ?"),
-      put_value_(c, "INSERT INTO job_value (job, name, value, error, unit, error_basis) VALUES (?, ?, ?, ?, ?, ?)"),
-      share_(c, "INSERT OR REPLACE INTO result (job, message) SELECT ?2, message FROM result WHERE job = ?1"),
-      share_values_(c, "INSERT OR REPLACE INTO job_value (job, name, value, error, unit, error_basis) "
-                       "SELECT ?2, name, value, error, unit, error_basis FROM job_value WHERE job = ?1") {}
+      put_value_(c,
+                 "INSERT INTO job_value (job, name, value, error, unit, error_basis) VALUES (?, ?, "
+                 "?, ?, ?, ?)"),
+      share_(c,
+             "INSERT OR REPLACE INTO result (job, message) SELECT ?2, message FROM result WHERE "
+             "job = ?1"),
+      share_values_(
+          c,
+          "INSERT OR REPLACE INTO job_value (job, name, value, error, unit, error_basis) "
+          "SELECT ?2, name, value, error, unit, error_basis FROM job_value WHERE job = ?1") {}
 
 void ValueTable::put(JobId job, const v1::Result& result) {
   const std::string bytes = result.SerializeAsString();

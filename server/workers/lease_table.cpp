@@ -38,7 +38,8 @@ bool LeaseTable::renew(std::int64_t task, const std::string& worker, std::int64_
 
 void LeaseTable::shorten(const std::string& worker, std::int64_t now_ms) {
   for (auto& [task, lease] : leases_)
-    if (lease.worker == worker) lease.expires_ms = std::min(lease.expires_ms, now_ms + kReconnectMs);
+    if (lease.worker == worker)
+      lease.expires_ms = std::min(lease.expires_ms, now_ms + kReconnectMs);
 }
 
 const Lease* LeaseTable::find(std::int64_t task) const {

@@ -11,7 +11,7 @@
 
 namespace granary::server {
 
-inline constexpr std::int64_t kLeaseMs = 15'000;     // silence after which a task is given to others
+inline constexpr std::int64_t kLeaseMs = 15'000;  // silence after which a task is given to others
 inline constexpr std::int64_t kHeartbeatMs = 2'000;
 // A broken stream is most often a dead worker: it has this long to come back.
 inline constexpr std::int64_t kReconnectMs = 4'000;

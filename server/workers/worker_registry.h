@@ -30,8 +30,8 @@ struct Worker {
 class WorkerRegistry {
  public:
   // A worker that connects again replaces its old link, which is returned (may be null).
-  std::shared_ptr<WorkerLink> connect(const v1::WorkerHello& hello, std::shared_ptr<WorkerLink> link,
-                                      std::int64_t now_ms);
+  std::shared_ptr<WorkerLink> connect(const v1::WorkerHello& hello,
+                                      std::shared_ptr<WorkerLink> link, std::int64_t now_ms);
   // False when `link` is not this worker's present one: it has come back meanwhile.
   bool disconnect(const std::string& worker_id, const WorkerLink* link);
   void seen(const std::string& worker_id, std::int64_t now_ms);

@@ -30,7 +30,9 @@ TEST_F(BadInput, is_refused_by_name_and_queues_nothing) {
            {"discharge.particles.count=many", "whole number"},
            {"discharge.bucket.tip_x_m=-0.001", "discharge.bucket.tip_x_m"}})
     expect_refused({"submit", good, "--set", setting}, says);
-  expect_refused({"submit", good, scratch.write("bad.txtpb", "discharge { particles { count: -1 } }")}, "bad.txtpb:1");
+  expect_refused(
+      {"submit", good, scratch.write("bad.txtpb", "discharge { particles { count: -1 } }")},
+      "bad.txtpb:1");
   EXPECT_EQ(nlohmann::json::parse(granary({"ls", "--format", "json"}).out).size(), 0u);
 }
 

@@ -12,7 +12,8 @@ TEST_F(Cancel, stops_a_running_engine_within_one_second) {
   Program& worker = start_worker();
   const std::string job = submit(long_scene()).at(0);
   std::vector<pid_t> engines;
-  ASSERT_TRUE(eventually([&] { return !(engines = children_with(worker.pid(), "--engine")).empty(); }));
+  ASSERT_TRUE(
+      eventually([&] { return !(engines = children_with(worker.pid(), "--engine")).empty(); }));
   ASSERT_TRUE(reaches(job, "running"));
   const auto start = std::chrono::steady_clock::now();
   EXPECT_EQ(granary({"cancel", job}).exit_code, 0);
@@ -28,7 +29,8 @@ TEST_F(Cancel, a_stopped_engine_that_ignores_everything_is_killed) {
   Program& worker = start_worker();
   const std::string job = submit(long_scene()).at(0);
   std::vector<pid_t> engines;
-  ASSERT_TRUE(eventually([&] { return !(engines = children_with(worker.pid(), "--engine")).empty(); }));
+  ASSERT_TRUE(
+      eventually([&] { return !(engines = children_with(worker.pid(), "--engine")).empty(); }));
   ::kill(engines[0], SIGSTOP);  // hangs: no polite signal is answered
   EXPECT_EQ(granary({"cancel", job}).exit_code, 0);
   EXPECT_TRUE(reaches(job, "cancelled"));

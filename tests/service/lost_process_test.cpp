@@ -19,21 +19,25 @@ TEST_F(LostProcess, a_killed_worker_s_job_is_completed_by_the_other_and_stored_o
   Program& doomed = start_worker();
   const std::string job = submit(medium_scene()).at(0);
   std::vector<pid_t> engines;
-  ASSERT_TRUE(eventually([&] { return !(engines = children_with(doomed.pid(), "--engine")).empty(); }));
+  ASSERT_TRUE(
+      eventually([&] { return !(engines = children_with(doomed.pid(), "--engine")).empty(); }));
   start_worker();
   doomed.signal(SIGKILL);
   doomed.wait();
-  EXPECT_TRUE(eventually([&] { return !is_alive(engines[0]); })) << "the engine outlived its worker";
+  EXPECT_TRUE(eventually([&] { return !is_alive(engines[0]); }))
+      << "the engine outlived its worker";
   ASSERT_TRUE(reaches(job, "complete"));
   const auto record = status(job);
   EXPECT_EQ(record["attempts"], 2);
-  EXPECT_NE(record["worker"].get<std::string>().find(std::to_string(workers[1]->pid())), std::string::npos);
+  EXPECT_NE(record["worker"].get<std::string>().find(std::to_string(workers[1]->pid())),
+            std::string::npos);
   // The interrupted run and an undisturbed one agree to the last bit.
   const Outputs disturbed = granary({"values", job, "--format", "json"});
   std::vector<std::string> fresh = medium_scene();
   fresh.insert(fresh.begin(), {"run", "--fresh", "--format", "json"});
   const Outputs undisturbed = granary(fresh);
-  EXPECT_EQ(nlohmann::json::parse(disturbed.out)["state_hash"], nlohmann::json::parse(undisturbed.out)["state_hash"]);
+  EXPECT_EQ(nlohmann::json::parse(disturbed.out)["state_hash"],
+            nlohmann::json::parse(undisturbed.out)["state_hash"]);
 }
 
 TEST_F(LostProcess, a_killed_engine_is_started_again_and_a_crash_loop_ends) {
@@ -45,7 +49,8 @@ TEST_F(LostProcess, a_killed_engine_is_started_again_and_a_crash_loop_ends) {
     ASSERT_TRUE(eventually([&] {
       engines = children_with(worker.pid(), "--engine");
       return !engines.empty() && !killed.count(engines[0]);
-    })) << "after " << i << " kills";
+    })) << "after "
+        << i << " kills";
     killed.insert(engines[0]);
     ::kill(engines[0], SIGKILL);
   }

@@ -1,5 +1,5 @@
-// The main job: a discharge submitted over gRPC, run by a worker process, its values and result file
-// fetched by the client.
+// The main job: a discharge submitted over gRPC, run by a worker process, its values and result
+// file fetched by the client.
 #include <gmock/gmock.h>
 
 #include "tests/support/real_service.h"
@@ -42,14 +42,19 @@ TEST_F(MainJob, the_result_file_arrives_whole_and_says_how_it_was_made) {
   const std::string job = submit({scene("discharge_small"), "--wait"}).at(0);
   const std::string file = scratch.file("result.h5");
   ASSERT_EQ(granary({"fetch", job, "-o", file}).exit_code, 0);
-  const Outputs verified = run_program({.command = {GRANARY_BIN "/granary-worker", "--verify", file},
-                                        .environment = {}, .input = "", .on_terminal = false});
+  const Outputs verified =
+      run_program({.command = {GRANARY_BIN "/granary-worker", "--verify", file},
+                   .environment = {},
+                   .input = "",
+                   .on_terminal = false});
   EXPECT_EQ(verified.exit_code, 0) << verified.err;
   const Outputs dump = run_program({.command = {"/usr/bin/h5dump", "-n", "1", file},
-                                    .environment = {}, .input = "", .on_terminal = false});
+                                    .environment = {},
+                                    .input = "",
+                                    .on_terminal = false});
   ASSERT_EQ(dump.exit_code, 0) << dump.err;
-  for (const char* part : {"/scene", "/values", "/series/remaining", "/series/cg", "/frames", "/ledger",
-                           "/provenance"})
+  for (const char* part : {"/scene", "/values", "/series/remaining", "/series/cg", "/frames",
+                           "/ledger", "/provenance"})
     EXPECT_THAT(dump.out, testing::HasSubstr(part));
 }
 
@@ -57,7 +62,8 @@ TEST_F(MainJob, two_fresh_runs_are_bitwise_the_same) {
   start_worker(2);
   std::vector<std::string> hashes;
   for (int i = 0; i < 2; ++i) {
-    const Outputs outputs = granary({"run", scene("discharge_small"), "--fresh", "--format", "json"});
+    const Outputs outputs =
+        granary({"run", scene("discharge_small"), "--fresh", "--format", "json"});
     ASSERT_EQ(outputs.exit_code, 0) << outputs.err;
     const json line = json::parse(outputs.out);
     hashes.push_back(line["state_hash"].get<std::string>() + line["values"].dump());
@@ -72,7 +78,8 @@ TEST_F(MainJob, a_second_request_is_answered_with_the_stored_result) {
   ASSERT_EQ(first.exit_code, 0) << first.err;
   worker.signal(SIGKILL);  // nobody can compute any more
   worker.wait();
-  const Outputs second = granary({"run", scene("discharge_small"), "--set", "threads=2", "--format", "json"});
+  const Outputs second =
+      granary({"run", scene("discharge_small"), "--set", "threads=2", "--format", "json"});
   ASSERT_EQ(second.exit_code, 0) << second.err;
   EXPECT_EQ(json::parse(first.out)["state_hash"], json::parse(second.out)["state_hash"]);
   EXPECT_EQ(json::parse(second.out)["job"], "jobs/2");

@@ -9,8 +9,11 @@ class PrivateServer : public testing::Test {
   ProgramOptions granary(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), GRANARY_BIN "/granary");
     return {.command = arguments,
-            .environment = {{"GRANARY_DATA", scratch.file("data")}, {"HOME", scratch.path()}, {"GRANARY_PRIVATE_IDLE_S", "2"}},
-            .input = "", .on_terminal = false};
+            .environment = {{"GRANARY_DATA", scratch.file("data")},
+                            {"HOME", scratch.path()},
+                            {"GRANARY_PRIVATE_IDLE_S", "2"}},
+            .input = "",
+            .on_terminal = false};
   }
   // Looks from outside: a question to the server would keep it.
   bool has_left() const { return processes_with(scratch.file("data")).empty(); }

@@ -16,7 +16,8 @@ TEST_F(Watch, ten_jobs_on_two_workers_all_end_and_three_watchers_see_100_percent
   for (int i = 1; i <= 10; ++i)
     jobs.push_back(submit({scene("discharge_small"), "--set", "seed=" + std::to_string(i)}).at(0));
   std::vector<std::unique_ptr<Program>> watchers;
-  for (const int i : {0, 4, 9}) watchers.push_back(start_granary({"watch", jobs[static_cast<std::size_t>(i)]}));
+  for (const int i : {0, 4, 9})
+    watchers.push_back(start_granary({"watch", jobs[static_cast<std::size_t>(i)]}));
   auto cut_off = start_granary({"watch", jobs[9]});
   ASSERT_TRUE(cut_off->prints("waiting"));
   cut_off->signal(SIGKILL);

@@ -49,16 +49,21 @@ std::vector<pid_t> processes_with(const std::string& text) {
 
 std::vector<pid_t> children_with(pid_t parent, const std::string& text) {
   std::vector<pid_t> found = processes_with(text);
-  std::erase_if(found, [&](pid_t pid) { return parent_of("/proc/" + std::to_string(pid)) != parent; });
+  std::erase_if(found,
+                [&](pid_t pid) { return parent_of("/proc/" + std::to_string(pid)) != parent; });
   return found;
 }
 
-bool is_alive(pid_t pid) { return ::kill(pid, 0) == 0; }
+bool is_alive(pid_t pid) {
+  return ::kill(pid, 0) == 0;
+}
 
 void RealService::start_server() {
   server = std::make_unique<Program>(ProgramOptions{
       .command = {GRANARY_BIN "/granaryd", "--data", scratch.file("data"), "--listen", address},
-      .environment = {}, .input = "", .on_terminal = false});
+      .environment = {},
+      .input = "",
+      .on_terminal = false});
   ASSERT_TRUE(server->prints("listening on")) << server->err();
 }
 
@@ -68,10 +73,12 @@ void RealService::kill_server() {
 }
 
 Program& RealService::start_worker(int slots) {
-  workers.push_back(std::make_unique<Program>(ProgramOptions{
-      .command = {GRANARY_BIN "/granary-worker", "--server", address, "--slots", std::to_string(slots),
-                  "--work-dir", scratch.file("work")},
-      .environment = {}, .input = "", .on_terminal = false}));
+  workers.push_back(std::make_unique<Program>(
+      ProgramOptions{.command = {GRANARY_BIN "/granary-worker", "--server", address, "--slots",
+                                 std::to_string(slots), "--work-dir", scratch.file("work")},
+                     .environment = {},
+                     .input = "",
+                     .on_terminal = false}));
   EXPECT_TRUE(workers.back()->prints("event=connected")) << workers.back()->err();
   return *workers.back();
 }
@@ -80,14 +87,17 @@ Outputs RealService::granary(std::vector<std::string> arguments, const std::stri
   arguments.insert(arguments.begin(), GRANARY_BIN "/granary");
   return run_program({.command = arguments,
                       .environment = {{"GRANARY_SERVER", address}, {"HOME", scratch.path()}},
-                      .input = input, .on_terminal = false});
+                      .input = input,
+                      .on_terminal = false});
 }
 
 std::unique_ptr<Program> RealService::start_granary(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), GRANARY_BIN "/granary");
-  return std::make_unique<Program>(ProgramOptions{
-      .command = arguments, .environment = {{"GRANARY_SERVER", address}, {"HOME", scratch.path()}},
-      .input = "", .on_terminal = false});
+  return std::make_unique<Program>(
+      ProgramOptions{.command = arguments,
+                     .environment = {{"GRANARY_SERVER", address}, {"HOME", scratch.path()}},
+                     .input = "",
+                     .on_terminal = false});
 }
 
 std::string RealService::scene(const std::string& name) const {
@@ -116,8 +126,8 @@ bool RealService::reaches(const std::string& job, const std::string& wanted,
 }
 
 std::vector<std::string> RealService::long_scene() const {
-  return {scene("discharge_small"), "--set", "discharge.time_step_s=1e-6",
-          "--set", "discharge.filling_time_step_s=1e-6"};
+  return {scene("discharge_small"), "--set", "discharge.time_step_s=1e-6", "--set",
+          "discharge.filling_time_step_s=1e-6"};
 }
 
 }  // namespace granary::test

@@ -1,5 +1,5 @@
-// A real granaryd on a Unix socket of its own with real granary-worker processes, and the real client
-// to talk to them. Everything is killed and removed at the end.
+// A real granaryd on a Unix socket of its own with real granary-worker processes, and the real
+// client to talk to them. Everything is killed and removed at the end.
 #pragma once
 
 #include <gtest/gtest.h>

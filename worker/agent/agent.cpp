@@ -1,12 +1,12 @@
 #include "worker/agent/agent.h"
 
-#include <sys/stat.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <chrono>
-#include <csignal>
 #include <condition_variable>
+#include <csignal>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -25,7 +25,9 @@ using namespace std::chrono_literals;
 constexpr auto kDrainLimit = 25s;
 
 volatile std::sig_atomic_t stop_requested = 0;
-void on_stop(int) { stop_requested = 1; }
+void on_stop(int) {
+  stop_requested = 1;
+}
 
 std::string host_name() {
   char name[256] = {};
@@ -47,7 +49,8 @@ class Agent {
       : config_(config),
         folder_(config.work_dir / ("worker-" + std::to_string(::getpid()))),
         worker_id_(new_worker_id()),
-        link_(open_channel(config.server), {[this] { return hello(); }, [this](const auto& m) { receive(m); }}) {
+        link_(open_channel(config.server),
+              {[this] { return hello(); }, [this](const auto& m) { receive(m); }}) {
     sweep_dead_workers();
     std::filesystem::create_directories(folder_);
   }
@@ -84,11 +87,16 @@ class Agent {
   }
 
   void receive(const v1::ServerMessage& message) {
-    if (message.has_welcome()) welcome(message.welcome());
-    else if (message.has_assign()) assign(message.assign());
-    else if (message.has_cancel()) with_task(message.cancel().task(), [](TaskRunner& task) { task.cancel(); });
-    else if (message.has_drop()) with_task(message.drop().task(), [](TaskRunner& task) { task.drop(); });
-    else if (message.has_acknowledged()) with_task(message.acknowledged().task(), [](TaskRunner& task) { task.acknowledged(); });
+    if (message.has_welcome())
+      welcome(message.welcome());
+    else if (message.has_assign())
+      assign(message.assign());
+    else if (message.has_cancel())
+      with_task(message.cancel().task(), [](TaskRunner& task) { task.cancel(); });
+    else if (message.has_drop())
+      with_task(message.drop().task(), [](TaskRunner& task) { task.drop(); });
+    else if (message.has_acknowledged())
+      with_task(message.acknowledged().task(), [](TaskRunner& task) { task.acknowledged(); });
   }
 
   void welcome(const v1::ServerWelcome& welcome) {
@@ -99,13 +107,15 @@ class Agent {
   }
 
   void assign(const v1::TaskAssignment& assignment) {
-    spdlog::info("event=assigned task={} job={} attempt={}", assignment.task(), assignment.job(), assignment.attempt());
+    spdlog::info("event=assigned task={} job={} attempt={}", assignment.task(), assignment.job(),
+                 assignment.attempt());
     const std::string number = assignment.task().substr(assignment.task().find('/') + 1);
     TaskEnvironment environment{config_.program, folder_ / ("task-" + number), link_.stub(),
                                 [this](const v1::WorkerMessage& message) { link_.send(message); },
                                 [this](const std::string& task) { retire(task); }};
     std::lock_guard lock(mutex_);
-    tasks_.emplace(assignment.task(), std::make_unique<TaskRunner>(assignment, std::move(environment)));
+    tasks_.emplace(assignment.task(),
+                   std::make_unique<TaskRunner>(assignment, std::move(environment)));
   }
 
   void with_task(const std::string& name, const std::function<void(TaskRunner&)>& act) {
@@ -140,7 +150,8 @@ class Agent {
         lock.lock();
       }
       if (std::chrono::steady_clock::now() < next) continue;
-      next = std::chrono::steady_clock::now() + std::chrono::milliseconds(static_cast<int>(1000 * heartbeat_s_));
+      next = std::chrono::steady_clock::now() +
+             std::chrono::milliseconds(static_cast<int>(1000 * heartbeat_s_));
       const v1::WorkerMessage message = heartbeat();
       lock.unlock();
       link_.send(message);
@@ -170,7 +181,8 @@ class Agent {
       const std::string name = entry.path().filename().string();
       if (name.rfind("worker-", 0) != 0) continue;
       const pid_t pid = static_cast<pid_t>(std::atol(name.c_str() + 7));
-      if (pid > 0 && ::kill(pid, 0) != 0 && errno == ESRCH) std::filesystem::remove_all(entry.path(), error);
+      if (pid > 0 && ::kill(pid, 0) != 0 && errno == ESRCH)
+        std::filesystem::remove_all(entry.path(), error);
     }
   }
 

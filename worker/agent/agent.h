@@ -8,12 +8,12 @@
 namespace granary::agent {
 
 struct AgentConfig {
-  std::string server;               // "unix:PATH" or "HOST:PORT"
+  std::string server;  // "unix:PATH" or "HOST:PORT"
   unsigned slots = 1;
-  std::filesystem::path work_dir;   // made if missing; one folder per running task
-  std::filesystem::path program;    // started again as the engine
-  std::string vector_path;          // of the engines: "avx512", "avx2" or "portable"
-  std::vector<std::string> kinds;   // of scene that the engines can run
+  std::filesystem::path work_dir;  // made if missing; one folder per running task
+  std::filesystem::path program;   // started again as the engine
+  std::string vector_path;         // of the engines: "avx512", "avx2" or "portable"
+  std::vector<std::string> kinds;  // of scene that the engines can run
 };
 
 // Runs until SIGTERM or SIGINT, then drains: engines checkpoint, tasks go back. Returns the exit

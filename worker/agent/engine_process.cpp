@@ -26,7 +26,8 @@ struct SpawnSetup {
   SpawnSetup() {
     posix_spawnattr_init(&attributes);
     posix_spawn_file_actions_init(&actions);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    posix_spawnattr_setflags(
+        &attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
     posix_spawnattr_setpgroup(&attributes, 0);
     sigset_t none, all;
     sigemptyset(&none);
@@ -58,17 +59,21 @@ Result<EngineProcess> EngineProcess::start(const std::filesystem::path& program,
                                            const std::filesystem::path& folder) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
-    return Error{ErrorCode::internal, std::string("cannot make a pipe: ") + std::strerror(errno), ""};
+    return Error{ErrorCode::internal, std::string("cannot make a pipe: ") + std::strerror(errno),
+                 ""};
   SpawnSetup setup;
   const std::string log = (folder / "engine.log").string();
   posix_spawn_file_actions_adddup2(&setup.actions, ends[1], 1);
-  posix_spawn_file_actions_addopen(&setup.actions, 2, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+  posix_spawn_file_actions_addopen(&setup.actions, 2, log.c_str(), O_WRONLY | O_CREAT | O_APPEND,
+                                   0600);
   posix_spawn_file_actions_addopen(&setup.actions, 0, "/dev/null", O_RDONLY, 0);
   std::string name = program.string(), engine = "--engine", argument = folder.string();
   std::string parent = "--parent", parent_id = std::to_string(::getpid());
-  char* arguments[] = {name.data(), engine.data(), argument.data(), parent.data(), parent_id.data(), nullptr};
+  char* arguments[] = {name.data(),   engine.data(),    argument.data(),
+                       parent.data(), parent_id.data(), nullptr};
   pid_t pid = -1;
-  const int error = ::posix_spawn(&pid, name.c_str(), &setup.actions, &setup.attributes, arguments, environ);
+  const int error =
+      ::posix_spawn(&pid, name.c_str(), &setup.actions, &setup.attributes, arguments, environ);
   ::close(ends[1]);
   if (error != 0) {
     ::close(ends[0]);

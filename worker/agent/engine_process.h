@@ -21,7 +21,8 @@ struct EngineExit {
 
 class EngineProcess {
  public:
-  // Starts `program --engine folder --parent us`; its stdout is our progress pipe, its stderr folder/engine.log.
+  // Starts `program --engine folder --parent us`; its stdout is our progress pipe, its stderr
+  // folder/engine.log.
   static Result<EngineProcess> start(const std::filesystem::path& program,
                                      const std::filesystem::path& folder);
   EngineProcess(EngineProcess&& other) noexcept;

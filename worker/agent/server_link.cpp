@@ -32,8 +32,8 @@ bool ServerLink::run() {
       return false;
     }
     if (welcomed_) wait_s = 0.1;
-    spdlog::warn("event=disconnected code={} reason=\"{}\" retry_s={}", static_cast<int>(status.error_code()),
-                 status.error_message(), wait_s);
+    spdlog::warn("event=disconnected code={} reason=\"{}\" retry_s={}",
+                 static_cast<int>(status.error_code()), status.error_message(), wait_s);
     if (!pause(wait_s)) break;
     wait_s = std::min(2.0, 2 * wait_s);
   }
@@ -79,7 +79,8 @@ void ServerLink::stop() {
 
 bool ServerLink::pause(double seconds) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  while (!stopping_ && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  while (!stopping_ && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   return !stopping_;
 }
 

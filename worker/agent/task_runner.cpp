@@ -18,9 +18,9 @@ namespace {
 using Outcome = v1::TaskFinished;
 using namespace std::chrono_literals;
 
-constexpr auto kGrace = 600ms;             // from the polite signal to SIGKILL: cancel takes < 1 s
-constexpr auto kReleaseGrace = 20s;        // a checkpoint of a large job is written in this time
-constexpr double kTimeLimitMarginS = 5;    // the engine enforces its limit itself; this is the net
+constexpr auto kGrace = 600ms;           // from the polite signal to SIGKILL: cancel takes < 1 s
+constexpr auto kReleaseGrace = 20s;      // a checkpoint of a large job is written in this time
+constexpr double kTimeLimitMarginS = 5;  // the engine enforces its limit itself; this is the net
 constexpr std::size_t kLogLines = 100;
 
 std::vector<std::string> last_lines(const std::filesystem::path& file, std::size_t count) {
@@ -42,7 +42,9 @@ bool write_file(const std::filesystem::path& file, const std::string& bytes) {
 }  // namespace
 
 TaskRunner::TaskRunner(v1::TaskAssignment assignment, TaskEnvironment environment)
-    : assignment_(std::move(assignment)), environment_(std::move(environment)), thread_([this] { run(); }) {}
+    : assignment_(std::move(assignment)),
+      environment_(std::move(environment)),
+      thread_([this] { run(); }) {}
 
 TaskRunner::~TaskRunner() {
   drop();
@@ -64,9 +66,15 @@ void TaskRunner::wish(Wish wish, int signal) {
   changed_.notify_all();
 }
 
-void TaskRunner::cancel() { wish(Wish::cancel, SIGINT); }
-void TaskRunner::release() { wish(Wish::release, SIGTERM); }
-void TaskRunner::drop() { wish(Wish::drop, SIGKILL); }
+void TaskRunner::cancel() {
+  wish(Wish::cancel, SIGINT);
+}
+void TaskRunner::release() {
+  wish(Wish::release, SIGTERM);
+}
+void TaskRunner::drop() {
+  wish(Wish::drop, SIGKILL);
+}
 
 void TaskRunner::acknowledged() {
   std::lock_guard lock(mutex_);
@@ -84,7 +92,8 @@ void TaskRunner::run() {
   v1::TaskFinished& finished = *message.mutable_finished() = execute();
   finished.set_task(assignment_.task());
   finished.set_fencing_token(assignment_.fencing_token());
-  if (finished.outcome() == Outcome::COMPLETE && !upload_result(finished)) finished.set_outcome(Outcome::CRASHED);
+  if (finished.outcome() == Outcome::COMPLETE && !upload_result(finished))
+    finished.set_outcome(Outcome::CRASHED);
   {
     std::unique_lock lock(mutex_);
     if (wish_ != Wish::drop) {
@@ -135,7 +144,8 @@ v1::TaskFinished TaskRunner::execute() {
   }
   enforcer.join();
   v1::TaskFinished finished = judge(exit.exited, exit.code);
-  for (std::string& line : last_lines(environment_.folder / "engine.log", kLogLines)) finished.add_log_lines(std::move(line));
+  for (std::string& line : last_lines(environment_.folder / "engine.log", kLogLines))
+    finished.add_log_lines(std::move(line));
   return finished;
 }
 
@@ -145,19 +155,22 @@ void TaskRunner::enforce(pid_t group) {
   const auto ended_or_wished = [this] { return group_ == -1 || wish_ != Wish::run; };
   if (assignment_.time_limit_s() > 0) {
     const std::chrono::duration<double> limit(assignment_.time_limit_s() + kTimeLimitMarginS);
-    if (!changed_.wait_for(lock, limit, ended_or_wished)) return EngineProcess::signal_group(group, SIGKILL);
+    if (!changed_.wait_for(lock, limit, ended_or_wished))
+      return EngineProcess::signal_group(group, SIGKILL);
   } else {
     changed_.wait(lock, ended_or_wished);
   }
   const auto ended = [this] { return group_ == -1; };
-  const bool gone = wish_ == Wish::release ? changed_.wait_for(lock, kReleaseGrace, ended) : changed_.wait_for(lock, kGrace, ended);
+  const bool gone = wish_ == Wish::release ? changed_.wait_for(lock, kReleaseGrace, ended)
+                                           : changed_.wait_for(lock, kGrace, ended);
   if (!gone) EngineProcess::signal_group(group, SIGKILL);
 }
 
 v1::TaskFinished TaskRunner::judge(bool exited, int code) {
   v1::TaskFinished finished;
   std::ifstream in(environment_.folder / "finished.pb", std::ios::binary);
-  const bool told = in && finished.ParseFromIstream(&in) && finished.outcome() != Outcome::OUTCOME_UNSPECIFIED;
+  const bool told =
+      in && finished.ParseFromIstream(&in) && finished.outcome() != Outcome::OUTCOME_UNSPECIFIED;
   std::lock_guard lock(mutex_);
   // What was asked for wins over what the engine managed to say, unless it was already through.
   if (told && (finished.outcome() == Outcome::COMPLETE || wish_ != Wish::cancel)) return finished;
@@ -186,8 +199,10 @@ bool TaskRunner::upload_result(v1::TaskFinished& finished) {
       return true;
     }
     const ErrorCode code = artifact.error().code;
-    spdlog::warn("event=upload_failed task={} job={} reason=\"{}\"", assignment_.task(), assignment_.job(), artifact.error().message);
-    if (code != ErrorCode::unavailable && code != ErrorCode::resource_exhausted && code != ErrorCode::cancelled) {
+    spdlog::warn("event=upload_failed task={} job={} reason=\"{}\"", assignment_.task(),
+                 assignment_.job(), artifact.error().message);
+    if (code != ErrorCode::unavailable && code != ErrorCode::resource_exhausted &&
+        code != ErrorCode::cancelled) {
       finished.set_message("upload: " + artifact.error().message);
       return false;
     }

@@ -43,14 +43,16 @@ Result<v1::Artifact> upload_file(v1::Workers::Stub& stub, const UploadTask& task
   std::ifstream in(file, std::ios::binary);
   std::string buffer(kChunkBytes, '\0');
   bool going = true;
-  while (going && (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())), in.gcount() > 0)) {
+  while (going &&
+         (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())), in.gcount() > 0)) {
     chunk.set_data(buffer.data(), static_cast<std::size_t>(in.gcount()));
     going = writer->Write(chunk);
     chunk.clear_header();
   }
   writer->WritesDone();
   const grpc::Status status = writer->Finish();
-  if (!status.ok()) return Error{static_cast<ErrorCode>(status.error_code()), status.error_message(), ""};
+  if (!status.ok())
+    return Error{static_cast<ErrorCode>(status.error_code()), status.error_message(), ""};
   return response.artifact();
 }
 

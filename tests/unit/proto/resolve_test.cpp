@@ -11,19 +11,27 @@ namespace granary {
 namespace {
 
 v1::Scene bucket(const std::string& extra = "") {
-  auto scene = load_scene("discharge { particles { count: 700 diameter_min_m: 0.0035 diameter_max_m: 0.0045 "
-                          "density_kg_per_m3: 730 } friction_pp_deg: 25 friction_pw_deg: 34 "
-                          "rotation_rad_per_s: 8.9 " + extra + " }", "bucket", {});
+  auto scene = load_scene(
+      "discharge { particles { count: 700 diameter_min_m: 0.0035 diameter_max_m: 0.0045 "
+      "density_kg_per_m3: 730 } friction_pp_deg: 25 friction_pw_deg: 34 "
+      "rotation_rad_per_s: 8.9 " +
+          extra + " }",
+      "bucket", {});
   EXPECT_TRUE(scene.ok()) << scene.error().message;
   return *scene;
 }
 
 v1::Scene chute(const std::string& extra = "", const std::string& top = "") {
   auto scene = load_scene(
-      "chute { inclination_deg: 30 duration_s: 6 particles { diameter_m: 0.003 density_kg_per_m3: 2550 } "
-      "contact_pp { normal_restitution: 0.97 tangential_restitution: 0.33 friction_coefficient: 0.12 } "
-      "contact_pw { normal_restitution: 0.95 tangential_restitution: 0.33 friction_coefficient: 0.22 } "
-      "inlet { mass_flow_kg_per_s: 1.6 sluice_height_m: 0.045 } " + extra + " } " + top, "chute", {});
+      "chute { inclination_deg: 30 duration_s: 6 particles { diameter_m: 0.003 density_kg_per_m3: "
+      "2550 } "
+      "contact_pp { normal_restitution: 0.97 tangential_restitution: 0.33 friction_coefficient: "
+      "0.12 } "
+      "contact_pw { normal_restitution: 0.95 tangential_restitution: 0.33 friction_coefficient: "
+      "0.22 } "
+      "inlet { mass_flow_kg_per_s: 1.6 sluice_height_m: 0.045 } " +
+          extra + " } " + top,
+      "chute", {});
   EXPECT_TRUE(scene.ok()) << scene.error().message;
   return *scene;
 }
@@ -69,7 +77,8 @@ TEST(JobKey, ignores_what_cannot_change_the_physics) {
 }
 
 TEST(JobKey, an_explicit_default_is_the_same_job) {
-  EXPECT_EQ(job_key(resolve(bucket())->scene), job_key(resolve(bucket("pulley_radius_m: 0.5"))->scene));
+  EXPECT_EQ(job_key(resolve(bucket())->scene),
+            job_key(resolve(bucket("pulley_radius_m: 0.5"))->scene));
 }
 
 TEST(FillingKey, is_shared_by_a_speed_sweep_only) {

@@ -58,7 +58,8 @@ TEST(SceneText, out_of_range_names_line_field_value_and_range) {
   EXPECT_THAT(error_of(kScene, "diameter_min_m: 0.01", "diameter_min_m: -0.01"),
               AllOf(HasSubstr("bucket.txtpb:3:"), HasSubstr("discharge.particles.diameter_min_m"),
                     HasSubstr("-0.01"), HasSubstr("> 0 and <= 1")));
-  EXPECT_THAT(error_of(kScene, "count: 200", "count: 0"), AllOf(HasSubstr("count"), HasSubstr(">= 1")));
+  EXPECT_THAT(error_of(kScene, "count: 200", "count: 0"),
+              AllOf(HasSubstr("count"), HasSubstr(">= 1")));
 }
 
 TEST(SceneText, nan_and_infinity_are_refused) {
@@ -68,8 +69,9 @@ TEST(SceneText, nan_and_infinity_are_refused) {
 }
 
 TEST(SceneText, bucket_narrower_than_a_disk_is_refused) {
-  EXPECT_THAT(error_of(kScene, "friction_pp_deg: 40", "bucket { tip_x_m: -0.009 } friction_pp_deg: 40"),
-              AllOf(HasSubstr("bucket.tip_x_m"), HasSubstr("0.015")));
+  EXPECT_THAT(
+      error_of(kScene, "friction_pp_deg: 40", "bucket { tip_x_m: -0.009 } friction_pp_deg: 40"),
+      AllOf(HasSubstr("bucket.tip_x_m"), HasSubstr("0.015")));
 }
 
 TEST(SceneText, missing_required_field_is_named) {
@@ -81,7 +83,8 @@ TEST(SceneText, missing_required_field_is_named) {
 TEST(SceneText, json_errors_name_line_and_path) {
   auto scene = load_scene("{\"discharge\": {\n \"particles\": {\"count\": -3}}}", "a.json", {});
   ASSERT_FALSE(scene.ok());
-  EXPECT_THAT(scene.error().message, AllOf(HasSubstr("a.json:2:"), HasSubstr("discharge.particles.count")));
+  EXPECT_THAT(scene.error().message,
+              AllOf(HasSubstr("a.json:2:"), HasSubstr("discharge.particles.count")));
   auto broken = load_scene("{\"discharge\": {\n \"particles\": }", "a.json", {});
   EXPECT_THAT(broken.error().message, HasSubstr("a.json:2:"));
 }
@@ -98,7 +101,8 @@ TEST(SetField, takes_paths_indices_and_bare_enums) {
 
 TEST(SetField, refuses_what_it_does_not_know) {
   v1::Scene scene;
-  EXPECT_THAT(set_field(scene, "discharge.rotation_rpm", "3").error().message, HasSubstr("rotation_rad_per_s"));
+  EXPECT_THAT(set_field(scene, "discharge.rotation_rpm", "3").error().message,
+              HasSubstr("rotation_rad_per_s"));
   EXPECT_FALSE(set_field(scene, "chute.particles[1].diameter_m", "0.003").ok());
   EXPECT_FALSE(set_field(scene, "chute.particles[x].diameter_m", "0.003").ok());
   EXPECT_FALSE(set_field(scene, "discharge", "3").ok());

@@ -10,15 +10,17 @@ namespace {
 class ArtifactStoreTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              ("artifacts-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder_ =
+        std::filesystem::path(testing::TempDir()) /
+        ("artifacts-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     std::filesystem::remove_all(folder_);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   std::size_t files() const {
     std::size_t count = 0;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_)) count += entry.is_regular_file();
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_))
+      count += entry.is_regular_file();
     return count;
   }
 
@@ -43,7 +45,8 @@ TEST_F(ArtifactStoreTest, refuses_and_removes_what_was_damaged_on_the_way) {
   ArtifactStore store(folder_);
   auto incoming = store.receive();
   ASSERT_TRUE((*incoming)->append("twelve bytez").ok());
-  EXPECT_EQ(store.publish(std::move(*incoming), {sha256_hex("twelve bytes"), 12}).error().code, ErrorCode::data_loss);
+  EXPECT_EQ(store.publish(std::move(*incoming), {sha256_hex("twelve bytes"), 12}).error().code,
+            ErrorCode::data_loss);
   EXPECT_EQ(files(), 0u);
 }
 
@@ -61,7 +64,8 @@ TEST_F(ArtifactStoreTest, an_abandoned_upload_leaves_nothing) {
 
 TEST_F(ArtifactStoreTest, names_that_are_no_checksum_never_become_paths) {
   ArtifactStore store(folder_);
-  for (const std::string& name : {std::string("../../etc/passwd"), std::string(), std::string(64, '/'), std::string(64, 'A')}) {
+  for (const std::string& name : {std::string("../../etc/passwd"), std::string(),
+                                  std::string(64, '/'), std::string(64, 'A')}) {
     EXPECT_EQ(store.open(name).error().code, ErrorCode::not_found);
     EXPECT_EQ(store.size_of(name).error().code, ErrorCode::not_found);
   }

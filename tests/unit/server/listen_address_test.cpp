@@ -5,9 +5,11 @@
 namespace granary::server {
 
 TEST(ListenAddress, this_machine_only_without_tls_and_token) {
-  for (const char* good : {"unix:/run/granary.sock", "127.0.0.1:7420", "localhost:0", "[::1]:7420", "127.1.2.3:1"})
+  for (const char* good :
+       {"unix:/run/granary.sock", "127.0.0.1:7420", "localhost:0", "[::1]:7420", "127.1.2.3:1"})
     EXPECT_TRUE(check_listen_address(good).ok()) << good;
-  for (const char* bad : {"0.0.0.0:7420", "[::]:7420", "10.0.0.1:7420", "example.org:7420", "1270.0.0.1:5"})
+  for (const char* bad :
+       {"0.0.0.0:7420", "[::]:7420", "10.0.0.1:7420", "example.org:7420", "1270.0.0.1:5"})
     EXPECT_EQ(check_listen_address(bad).error().code, ErrorCode::failed_precondition) << bad;
 }
 

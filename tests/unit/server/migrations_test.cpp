@@ -35,7 +35,8 @@ TEST(Migrations, a_damaged_file_is_refused_not_repaired_silently) {
   const auto file = fresh_file("damaged.db");
   {
     Database first(file);
-    for (int i = 0; i < 200; ++i) first.connection().exec("INSERT INTO server_start DEFAULT VALUES");
+    for (int i = 0; i < 200; ++i)
+      first.connection().exec("INSERT INTO server_start DEFAULT VALUES");
     first.connection().exec("PRAGMA wal_checkpoint(TRUNCATE)");
   }
   const auto bytes = std::filesystem::file_size(file);

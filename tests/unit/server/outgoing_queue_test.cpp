@@ -11,8 +11,9 @@ namespace {
 struct FakeReactor {
   std::vector<std::string> written;
   std::vector<grpc::StatusCode> finished;
-  OutgoingQueue<std::string> queue{{[this](const std::string* message) { written.push_back(*message); },
-                                    [this](grpc::Status status) { finished.push_back(status.error_code()); }}};
+  OutgoingQueue<std::string> queue{
+      {[this](const std::string* message) { written.push_back(*message); },
+       [this](grpc::Status status) { finished.push_back(status.error_code()); }}};
 };
 
 TEST(OutgoingQueue, has_one_write_in_flight) {

@@ -35,10 +35,11 @@ TEST(OwnerThread, replies_after_the_commit) {
   OwnerThread owner(database, {});
   std::string at_reply;
   std::promise<void> done;
-  owner.post([] {}, [&](const Status&) {
-    at_reply = database.log;
-    done.set_value();
-  });
+  owner.post([] {},
+             [&](const Status&) {
+               at_reply = database.log;
+               done.set_value();
+             });
   done.get_future().wait();
   EXPECT_EQ(at_reply.back(), 'c');
 }
@@ -46,7 +47,8 @@ TEST(OwnerThread, replies_after_the_commit) {
 TEST(OwnerThread, a_throwing_request_is_undone_alone) {
   FakeTransactions database;
   OwnerThread owner(database, {});
-  EXPECT_EQ(ask(owner, [] { throw std::runtime_error("constraint"); }).error().code, ErrorCode::internal);
+  EXPECT_EQ(ask(owner, [] { throw std::runtime_error("constraint"); }).error().code,
+            ErrorCode::internal);
   EXPECT_TRUE(ask(owner, [] {}).ok());
   owner.stop();
   EXPECT_NE(database.log.find('-'), std::string::npos);

@@ -27,11 +27,11 @@ std::uint32_t executions_until_final(ExecutionEnd end) {
 }
 
 TEST(RetryPolicy, budgets_are_by_cause) {
-  EXPECT_EQ(executions_until_final(ExecutionEnd::error), 1u);      // deterministic failure: 0 retries
+  EXPECT_EQ(executions_until_final(ExecutionEnd::error), 1u);  // deterministic failure: 0 retries
   EXPECT_EQ(executions_until_final(ExecutionEnd::unstable), 1u);
-  EXPECT_EQ(executions_until_final(ExecutionEnd::crashed), 3u);    // unknown: 2
+  EXPECT_EQ(executions_until_final(ExecutionEnd::crashed), 3u);      // unknown: 2
   EXPECT_EQ(executions_until_final(ExecutionEnd::worker_lost), 6u);  // lost worker: 5
-  EXPECT_EQ(executions_until_final(ExecutionEnd::released), 0u);   // a drain costs nothing
+  EXPECT_EQ(executions_until_final(ExecutionEnd::released), 0u);     // a drain costs nothing
 }
 
 TEST(RetryPolicy, a_requeued_job_keeps_no_execution) {
