@@ -55,12 +55,16 @@ class WorkerReactor : public grpc::ServerBidiReactor<v1::WorkerMessage, v1::Serv
       return false;
     }
     post([worker = worker_id_, message = std::move(incoming_)](Dispatcher& d, Now now) {
-      if (message.has_heartbeat())
-        d.heartbeat(worker, message.heartbeat(), now);
-      else if (message.has_progress())
-        d.task_progress(worker, message.progress(), now);
-      else if (message.has_finished())
-        d.task_finished(worker, message.finished(), now);
+      switch (message.what_case()) {
+        case v1::WorkerMessage::kHeartbeat: return d.heartbeat(worker, message.heartbeat(), now);
+        case v1::WorkerMessage::kProgress: return d.task_progress(worker, message.progress(), now);
+        case v1::WorkerMessage::kFinished: return d.task_finished(worker, message.finished(), now);
+        case v1::WorkerMessage::kCheckpointed:
+          return d.task_checkpointed(worker, message.checkpointed(), now);
+        case v1::WorkerMessage::kFillingStored:
+          return d.filling_stored(worker, message.filling_stored(), now);
+        default: return;
+      }
     });
     return true;
   }

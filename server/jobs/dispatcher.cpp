@@ -24,6 +24,24 @@ v1::JobEvent to_event(const EventRecord& record) {
   return event;
 }
 
+v1::Artifact to_artifact(const StoredArtifact& stored) {
+  v1::Artifact artifact;
+  artifact.set_sha256(stored.sha256);
+  artifact.set_size_bytes(stored.size_bytes);
+  return artifact;
+}
+
+StoredArtifact to_stored(const v1::Artifact& artifact) {
+  return {artifact.sha256(), artifact.size_bytes()};
+}
+
+// It becomes a file of that name on another worker: nothing that could leave its folder.
+bool is_plain_file_name(const std::string& name) {
+  return !name.empty() && name.size() <= 64 && name[0] != '.' &&
+         name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-") ==
+             std::string::npos;
+}
+
 }  // namespace
 
 Dispatcher::Dispatcher(JobStore& store, QueueLimits limits) : store_(store), limits_(limits) {}
@@ -214,6 +232,28 @@ void Dispatcher::task_progress(const std::string& worker_id, const v1::TaskProgr
   hub_.publish(job, event);
 }
 
+void Dispatcher::task_checkpointed(const std::string& worker_id,
+                                   const v1::TaskCheckpointed& message, Now now) {
+  const auto task = task_id_from(message.task());
+  if (!task || !leases_.renew(*task, worker_id, now.steady_ms)) return;
+  std::vector<ResumeFileRecord> files;
+  for (const v1::ResumeFile& file : message.files()) {
+    if (!is_plain_file_name(file.name())) return;
+    files.push_back({file.name(), to_stored(file.artifact())});
+  }
+  store_.put_resume_files(leases_.find(*task)->job, files);
+}
+
+void Dispatcher::filling_stored(const std::string& worker_id, const v1::FillingStored& message,
+                                Now now) {
+  const auto task = task_id_from(message.task());
+  if (!task || !leases_.renew(*task, worker_id, now.steady_ms)) return;
+  const auto job = store_.find_job(leases_.find(*task)->job);
+  // Only under the key of its own job: a worker cannot plant a filling for others.
+  if (!job || job->filling_key.empty() || job->filling_key != message.filling_key()) return;
+  store_.put_filling(job->filling_key, to_stored(message.artifact()), now.wall_ms);
+}
+
 void Dispatcher::task_finished(const std::string& worker_id, const v1::TaskFinished& message,
                                Now now) {
   const auto task = task_id_from(message.task());
@@ -242,6 +282,7 @@ void Dispatcher::end_execution(JobRecord job, ExecutionEnd end, const std::strin
   leases_.end(task);
   --counts_.running;
   apply_execution_end(job, end, message, now);
+  if (is_final(job.state)) store_.put_resume_files(job.id, {});
   if (job.state == v1::WAITING) ++counts_.waiting;
   slots_may_be_free_ = true;
   store_state(job, message, now);
@@ -258,6 +299,10 @@ void Dispatcher::assign(Worker& worker, JobRecord job, Now now) {
   ++counts_.running;
   leases_.grant(job.task, job.id, job.worker, now.steady_ms);
   store_state(job, "on " + job.worker, now);
+  send(job.worker, assignment_of(job));
+}
+
+v1::ServerMessage Dispatcher::assignment_of(const JobRecord& job) {
   v1::ServerMessage message;
   v1::TaskAssignment& task = *message.mutable_assign();
   task.set_task(task_name(job.task));
@@ -266,7 +311,16 @@ void Dispatcher::assign(Worker& worker, JobRecord job, Now now) {
   task.mutable_scene()->ParseFromString(job.scene_bytes);
   task.set_time_limit_s(job.time_limit_s);
   task.set_attempt(job.attempts);
-  send(job.worker, std::move(message));
+  for (const ResumeFileRecord& file : store_.resume_files(job.id)) {
+    v1::ResumeFile& resume = *task.add_resume_files();
+    resume.set_name(file.name);
+    *resume.mutable_artifact() = to_artifact(file.artifact);
+  }
+  task.set_filling_key(job.filling_key);
+  if (!job.filling_key.empty())
+    if (const auto filling = store_.find_filling(job.filling_key))
+      *task.mutable_filling() = to_artifact(*filling);
+  return message;
 }
 
 void Dispatcher::fill_slots(Now now) {

@@ -49,6 +49,8 @@ class Dispatcher {
   void worker_disconnected(const std::string& worker_id, const WorkerLink* link, Now now);
   void heartbeat(const std::string& worker_id, const v1::WorkerHeartbeat& message, Now now);
   void task_progress(const std::string& worker_id, const v1::TaskProgress& message, Now now);
+  void task_checkpointed(const std::string& worker_id, const v1::TaskCheckpointed& message, Now now);
+  void filling_stored(const std::string& worker_id, const v1::FillingStored& message, Now now);
   void task_finished(const std::string& worker_id, const v1::TaskFinished& message, Now now);
   // May this worker still deliver for this task? An upload or a result of anyone else is refused.
   bool holds(TaskId task) const { return leases_.find(task) != nullptr; }
@@ -67,6 +69,7 @@ class Dispatcher {
  private:
   void fill_slots(Now now);
   void assign(Worker& worker, JobRecord job, Now now);
+  v1::ServerMessage assignment_of(const JobRecord& job);
   void end_execution(JobRecord job, ExecutionEnd end, const std::string& message, Now now);
   void store_state(JobRecord& job, const std::string& message, Now now);
   JobId insert(const NewJob& job, Now now);

@@ -40,6 +40,17 @@ class JobStore {
   virtual std::optional<v1::Result> find_result(JobId job) = 0;
   virtual void share_result(JobId from, JobId to) = 0;
 
+  // What another worker needs to continue; cleared when the job ends.
+  virtual void put_resume_files(JobId job, const std::vector<ResumeFileRecord>& files) = 0;
+  virtual std::vector<ResumeFileRecord> resume_files(JobId job) = 0;
+
+  // Settled fillings by key, shared by every job that asks for the same one.
+  virtual void put_filling(const std::string& key, const StoredArtifact& artifact, std::int64_t now_ms) = 0;
+  virtual std::optional<StoredArtifact> find_filling(const std::string& key) = 0;
+
+  // Every artifact that anything still refers to.
+  virtual std::vector<std::string> referenced_artifacts() = 0;
+
   virtual void append_event(JobId job, const EventRecord& event) = 0;
   virtual std::vector<EventRecord> events_after(JobId job, std::uint64_t sequence) = 0;
 

@@ -30,6 +30,7 @@ struct JobRecord {
   std::string scene_bytes;     // v1.Scene as submitted
   std::string resolved_bytes;  // v1.Scene as run
   std::string key;
+  std::string filling_key;
   std::map<std::string, std::string> tags;
   std::int32_t priority = 0;
   std::string owner;
@@ -55,6 +56,7 @@ struct NewJob {
   std::string scene_bytes;
   std::string resolved_bytes;
   std::string key;
+  std::string filling_key;  // empty: nothing to share
   std::map<std::string, std::string> tags;
   std::int32_t priority = 0;
   std::string owner;
@@ -74,6 +76,17 @@ struct EventRecord {
   std::int64_t time_ms = 0;
   v1::JobState state = v1::WAITING;
   std::string message;
+};
+
+struct StoredArtifact {
+  std::string sha256;
+  std::uint64_t size_bytes = 0;
+};
+
+// A file that lets another worker continue a job.
+struct ResumeFileRecord {
+  std::string name;
+  StoredArtifact artifact;
 };
 
 struct ListFilter {

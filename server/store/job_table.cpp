@@ -8,7 +8,7 @@ namespace {
 constexpr std::int64_t kPriorityMs = 600'000;
 
 const std::string kColumns =
-    "id, kind, state, priority, owner, key, submitted_ms, started_ms, ended_ms, attempts, "
+    "id, kind, state, priority, owner, key, filling_key, submitted_ms, started_ms, ended_ms, attempts, "
     "lost_workers, engine_crashes, task, cancel_requested, worker, error, timed_out, reused, "
     "time_limit_s, result_sha256, result_bytes";
 
@@ -21,6 +21,7 @@ JobRecord read_job(SQLite::Statement& row) {
   job.priority = row.getColumn(i++).getInt();
   job.owner = row.getColumn(i++).getString();
   job.key = row.getColumn(i++).getString();
+  job.filling_key = row.getColumn(i++).getString();
   job.submitted_ms = row.getColumn(i++).getInt64();
   job.started_ms = row.getColumn(i++).getInt64();
   job.ended_ms = row.getColumn(i++).getInt64();
@@ -49,8 +50,7 @@ JobTable::JobTable(SQLite::Database& c)
     : connection_(c),
       insert_(c,
               "INSERT INTO job (kind, state, rank, priority, owner, key, scene, resolved, "
-              "submitted_ms, "
-              "time_limit_s) VALUES (?, 1, ?, ?, ?, ?, ?, ?, ?, ?)"),
+              "submitted_ms, time_limit_s, filling_key) VALUES (?, 1, ?, ?, ?, ?, ?, ?, ?, ?, ?)"),
       insert_tag_(c, "INSERT INTO job_tag (job, name, value) VALUES (?, ?, ?)"),
       find_(c, "SELECT " + kColumns + ", scene, resolved FROM job WHERE id = ?"),
       update_(
@@ -81,6 +81,7 @@ JobId JobTable::insert(const NewJob& job, std::int64_t submitted_ms) {
   row->bindNoCopy(7, job.resolved_bytes.data(), static_cast<int>(job.resolved_bytes.size()));
   row->bind(8, submitted_ms);
   row->bind(9, job.time_limit_s);
+  row->bind(10, job.filling_key);
   row->exec();
   const JobId id = connection_.getLastInsertRowid();
   for (const auto& [name, value] : job.tags) {

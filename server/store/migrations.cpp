@@ -99,7 +99,25 @@ CREATE TABLE request (
 CREATE TABLE server_start (epoch INTEGER PRIMARY KEY AUTOINCREMENT, started TEXT DEFAULT CURRENT_TIMESTAMP);
 )sql";
 
-constexpr std::array<const char*, 1> kMigrations = {kFirst};
+// Jobs that continue on another worker, and fillings that are shared.
+constexpr const char* kResume = R"sql(
+ALTER TABLE job ADD COLUMN filling_key TEXT NOT NULL DEFAULT '';
+CREATE TABLE resume_file (
+  job INTEGER NOT NULL REFERENCES job(id) ON DELETE CASCADE,
+  name TEXT NOT NULL,
+  sha256 TEXT NOT NULL,
+  size_bytes INTEGER NOT NULL,
+  PRIMARY KEY (job, name)
+) WITHOUT ROWID;
+CREATE TABLE filling (
+  key TEXT PRIMARY KEY,
+  sha256 TEXT NOT NULL,
+  size_bytes INTEGER NOT NULL,
+  created_ms INTEGER NOT NULL
+) WITHOUT ROWID;
+)sql";
+
+constexpr std::array<const char*, 2> kMigrations = {kFirst, kResume};
 
 int schema_of(SQLite::Database& connection) {
   return connection.execAndGet("PRAGMA user_version").getInt();

@@ -10,6 +10,7 @@ SqliteJobStore::SqliteJobStore(SQLite::Database& c)
       tasks_(c),
       values_(c),
       events_(c),
+      resume_(c),
       find_request_(c, "SELECT first_job, job_count FROM request WHERE id = ?"),
       put_request_(
           c, "INSERT INTO request (id, first_job, job_count, created_ms) VALUES (?, ?, ?, ?)") {}

@@ -4,6 +4,7 @@
 #include "server/jobs/job_store.h"
 #include "server/store/event_table.h"
 #include "server/store/job_table.h"
+#include "server/store/resume_table.h"
 #include "server/store/task_table.h"
 #include "server/store/value_table.h"
 
@@ -41,6 +42,19 @@ class SqliteJobStore : public JobStore {
   std::optional<v1::Result> find_result(JobId job) override { return values_.find(job); }
   void share_result(JobId from, JobId to) override { values_.share(from, to); }
 
+  void put_resume_files(JobId job, const std::vector<ResumeFileRecord>& files) override {
+    resume_.put_files(job, files);
+  }
+  std::vector<ResumeFileRecord> resume_files(JobId job) override { return resume_.files(job); }
+  void put_filling(const std::string& key, const StoredArtifact& artifact,
+                   std::int64_t now_ms) override {
+    resume_.put_filling(key, artifact, now_ms);
+  }
+  std::optional<StoredArtifact> find_filling(const std::string& key) override {
+    return resume_.find_filling(key);
+  }
+  std::vector<std::string> referenced_artifacts() override { return resume_.referenced(); }
+
   void append_event(JobId job, const EventRecord& event) override { events_.append(job, event); }
   std::vector<EventRecord> events_after(JobId job, std::uint64_t sequence) override {
     return events_.after(job, sequence);
@@ -61,6 +75,7 @@ class SqliteJobStore : public JobStore {
   TaskTable tasks_;
   ValueTable values_;
   EventTable events_;
+  ResumeTable resume_;
   SQLite::Statement find_request_, put_request_;
 };
 

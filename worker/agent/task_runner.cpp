@@ -21,6 +21,7 @@ using namespace std::chrono_literals;
 constexpr auto kGrace = 600ms;           // from the polite signal to SIGKILL: cancel takes < 1 s
 constexpr auto kReleaseGrace = 20s;      // a checkpoint of a large job is written in this time
 constexpr double kTimeLimitMarginS = 5;  // the engine enforces its limit itself; this is the net
+constexpr auto kShareInterval = 1s;  // how soon a new checkpoint or filling is sent on
 constexpr std::size_t kLogLines = 100;
 
 std::vector<std::string> last_lines(const std::filesystem::path& file, std::size_t count) {
@@ -116,18 +117,21 @@ v1::TaskFinished TaskRunner::execute() {
     failed.set_message("cannot write in the work directory");
     return failed;
   }
+  TaskFiles files(assignment_, environment_.folder, environment_.stub, environment_.send);
+  files.fetch();
   auto engine = EngineProcess::start(environment_.program, environment_.folder);
   if (!engine) {
     failed.set_message(engine.error().message);
     return failed;
   }
-  std::thread enforcer;
+  std::thread enforcer, sharer;
   {
     std::lock_guard lock(mutex_);
     group_ = engine->pid();
     // A wish that came before the process existed reached nobody.
     if (wish_ != Wish::run) EngineProcess::signal_group(group_, SIGKILL);
     enforcer = std::thread([this, group = group_] { enforce(group); });
+    sharer = std::thread([this, &files] { share_while_running(files); });
   }
   engine->read_progress([this](const v1::Progress& progress) {
     v1::WorkerMessage message;
@@ -143,7 +147,11 @@ v1::TaskFinished TaskRunner::execute() {
     changed_.notify_all();
   }
   enforcer.join();
+  sharer.join();
   v1::TaskFinished finished = judge(exit.exited, exit.code);
+  const bool somebody_continues =
+      finished.outcome() == Outcome::RELEASED || finished.outcome() == Outcome::CRASHED;
+  if (somebody_continues || finished.outcome() == Outcome::COMPLETE) files.share();
   for (std::string& line : last_lines(environment_.folder / "engine.log", kLogLines))
     finished.add_log_lines(std::move(line));
   return finished;
@@ -164,6 +172,17 @@ void TaskRunner::enforce(pid_t group) {
   const bool gone = wish_ == Wish::release ? changed_.wait_for(lock, kReleaseGrace, ended)
                                            : changed_.wait_for(lock, kGrace, ended);
   if (!gone) EngineProcess::signal_group(group, SIGKILL);
+}
+
+void TaskRunner::share_while_running(TaskFiles& files) {
+  std::unique_lock lock(mutex_);
+  while (group_ != -1) {
+    changed_.wait_for(lock, kShareInterval, [this] { return group_ == -1; });
+    if (group_ == -1) return;
+    lock.unlock();
+    files.share();
+    lock.lock();
+  }
 }
 
 v1::TaskFinished TaskRunner::judge(bool exited, int code) {

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "granary/v1/worker.grpc.pb.h"
+#include "worker/agent/task_files.h"
 
 namespace granary::agent {
 
@@ -43,6 +44,7 @@ class TaskRunner {
   bool upload_result(v1::TaskFinished& finished);
   void wish(Wish wish, int signal);
   void enforce(pid_t group);
+  void share_while_running(TaskFiles& files);
 
   v1::TaskAssignment assignment_;
   TaskEnvironment environment_;

@@ -300,6 +300,60 @@ TEST_F(DispatcherTest, only_ended_jobs_can_be_deleted_or_retried) {
   EXPECT_EQ(dispatcher.find(job).error().code, ErrorCode::not_found);
 }
 
+TEST_F(DispatcherTest, the_next_execution_gets_the_last_checkpoint) {
+  const JobId job = submit();
+  auto a = connect("a");
+  const std::string task = a->last_task();
+  v1::TaskCheckpointed message;
+  message.set_task(task);
+  message.add_files()->set_name("checkpoint");
+  message.mutable_files(0)->mutable_artifact()->set_sha256("c1");
+  dispatcher.task_checkpointed("zombie", message, now);
+  EXPECT_TRUE(store.resume_files(job).empty());
+  dispatcher.task_checkpointed("a", message, now);
+  finish("a", task, v1::TaskFinished::RELEASED);
+  const auto& assigned = a->sent.back().has_assign() ? a->sent.back() : a->sent[a->sent.size() - 2];
+  ASSERT_EQ(assigned.assign().resume_files_size(), 1);
+  EXPECT_EQ(assigned.assign().resume_files(0).artifact().sha256(), "c1");
+  finish("a", a->last_task());
+  EXPECT_TRUE(store.resume_files(job).empty()) << "nothing is kept for a job that has ended";
+}
+
+TEST_F(DispatcherTest, resume_files_that_would_leave_their_folder_are_refused) {
+  const JobId job = submit();
+  auto a = connect("a");
+  for (const char* name : {"../checkpoint", "/etc/passwd", ".hidden", "", "a/b"}) {
+    v1::TaskCheckpointed message;
+    message.set_task(a->last_task());
+    message.add_files()->set_name(name);
+    dispatcher.task_checkpointed("a", message, now);
+    EXPECT_TRUE(store.resume_files(job).empty()) << name;
+  }
+}
+
+TEST_F(DispatcherTest, a_filling_is_shared_under_its_own_key_only) {
+  NewJob job;
+  job.kind = "discharge";
+  job.filling_key = "f1";
+  job.fresh = true;
+  ASSERT_TRUE(dispatcher.submit({{job, job}, ""}, now).ok());
+  auto a = connect("a");
+  v1::FillingStored stored;
+  stored.set_task(a->last_task());
+  stored.set_filling_key("of another job");
+  stored.mutable_artifact()->set_sha256("planted");
+  dispatcher.filling_stored("a", stored, now);
+  EXPECT_FALSE(store.find_filling("of another job").has_value());
+  stored.set_filling_key("f1");
+  stored.mutable_artifact()->set_sha256("settled");
+  dispatcher.filling_stored("a", stored, now);
+  finish("a", a->last_task());
+  v1::TaskAssignment second;
+  for (const auto& message : a->sent)
+    if (message.has_assign()) second = message.assign();
+  EXPECT_EQ(second.filling().sha256(), "settled");
+}
+
 TEST_F(DispatcherTest, a_draining_worker_gets_nothing_new) {
   auto a = connect("a", 4);
   v1::WorkerHeartbeat heartbeat;
