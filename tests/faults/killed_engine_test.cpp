@@ -56,7 +56,9 @@ TEST(KilledEngine, ends_bitwise_like_an_undisturbed_one_however_often_it_is_kill
   for (int attempt = 0; !finished_in(stormy.path()); ++attempt) {
     ASSERT_LT(attempt, 200) << "no progress between kills";
     EngineChild child(TOY_ENGINE, stormy.path());
-    std::this_thread::sleep_for(std::chrono::milliseconds(std::uniform_int_distribution<>(5, 60)(random)));
+    // Lives grow, so that even on a disk that takes long to sync one of them gets through.
+    std::uniform_int_distribution<> life_ms(5, 60 + 5 * attempt);
+    std::this_thread::sleep_for(std::chrono::milliseconds(life_ms(random)));
     child.signal(SIGKILL);
     if (child.wait() == -SIGKILL) ++kills;
   }
