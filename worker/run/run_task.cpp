@@ -303,7 +303,8 @@ class TaskRun {
     outcome.result = result_message(spec_, record_, report);
     if (storage_.active()) {
       const OutputTimer output(output_cpu_s_);
-      outcome.artifact = storage_.publish(result_content(spec_, record_, report, outcome.result));
+      storage_.publish(result_content(spec_, record_, report, outcome.result));
+      outcome.published = true;
     }
     add_phase({"output", output_cpu_s_});
     outcome.profile = profile_;
