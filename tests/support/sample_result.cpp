@@ -45,11 +45,11 @@ storage::ResultContent sample_content() {
   return content;
 }
 
-storage::FileDigest write_sample_result(const std::filesystem::path& path) {
+void write_sample_result(const std::filesystem::path& path) {
   storage::ResultWriter writer(storage::real_file_system(), path);
   for (std::uint64_t i = 0; i < 3; ++i) writer.add_frame(sample_frame(i));
   writer.add_content(sample_content());
-  return writer.commit();
+  writer.commit();
 }
 
 }  // namespace granary::testing

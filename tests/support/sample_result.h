@@ -8,6 +8,6 @@
 namespace granary::testing {
 
 storage::ResultContent sample_content();
-storage::FileDigest write_sample_result(const std::filesystem::path& path);
+void write_sample_result(const std::filesystem::path& path);
 
 }  // namespace granary::testing

@@ -12,6 +12,7 @@
 #include "granary/v1/worker.pb.h"
 #include "worker/run/run_task.h"
 #include "worker/run/stop_signals.h"
+#include "worker/storage/checksum.h"
 #include "worker/storage/column_codec.h"
 #include "worker/storage/storage_error.h"
 
@@ -94,7 +95,11 @@ void write_finished(const storage::Path& directory, const TaskOutcome& outcome) 
   finished.set_outcome(outcome.outcome);
   finished.set_message(outcome.message);
   *finished.mutable_result() = outcome.result;
-  if (outcome.artifact) *finished.mutable_artifact() = *outcome.artifact;
+  if (outcome.published) {
+    const auto digest = storage::sha256_of(storage::real_file_system(), directory / "result.h5");
+    finished.mutable_artifact()->set_sha256(digest.sha256);
+    finished.mutable_artifact()->set_size_bytes(digest.size_bytes);
+  }
   const std::string bytes = finished.SerializeAsString();
   storage::write_atomically(storage::real_file_system(), directory / "finished.pb",
                             std::as_bytes(std::span(bytes)));

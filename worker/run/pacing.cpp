@@ -14,7 +14,7 @@ void ChunkPacer::note(std::uint64_t steps_done, double seconds) {
 }
 
 void CheckpointPacer::note(double now_s, double cost_s) {
-  next_s_ = now_s + std::max(interval_s_, cost_s / kCheckpointCostShare);
+  next_s_ = interval_s_ > 0 ? now_s + std::max(interval_s_, cost_s / kCheckpointCostShare) : now_s;
 }
 
 }  // namespace granary::run

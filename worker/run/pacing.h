@@ -34,7 +34,8 @@ class CheckpointPacer {
  public:
   CheckpointPacer(double interval_s, double now_s) : interval_s_(interval_s), next_s_(now_s + interval_s) {}
   bool due(double now_s) const { return now_s >= next_s_; }
-  // A checkpoint that took `cost_s` is followed by another no sooner than its share of time allows.
+  // A checkpoint that took `cost_s` is followed by another no sooner than its share of time allows;
+  // an interval of 0 means after every chunk, whatever it costs.
   void note(double now_s, double cost_s);
 
  private:

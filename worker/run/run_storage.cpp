@@ -66,15 +66,11 @@ void RunStorage::save(const RunRecord& record, core::State engine) {
   }
 }
 
-v1::Artifact RunStorage::publish(const storage::ResultContent& content) {
+void RunStorage::publish(const storage::ResultContent& content) {
   storage::ResultWriter writer(files_, result_path_);
   frames_.for_each([&](const storage::Frame& frame) { writer.add_frame(frame); });
   writer.add_content(content);
-  const storage::FileDigest digest = writer.commit();
-  v1::Artifact artifact;
-  artifact.set_sha256(digest.sha256);
-  artifact.set_size_bytes(digest.size_bytes);
-  return artifact;
+  writer.commit();
 }
 
 std::optional<StoredFilling> load_filling(storage::FileSystem& files, const TaskSpec& spec,

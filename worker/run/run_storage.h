@@ -33,7 +33,7 @@ class RunStorage {
   // Frames so far become durable (StorageError when they cannot). A checkpoint that cannot be
   // written is logged and the run goes on: the one before it is still good.
   void save(const RunRecord& record, core::State engine);
-  v1::Artifact publish(const storage::ResultContent& content);
+  void publish(const storage::ResultContent& content);
 
   bool active() const { return active_; }
 

@@ -19,6 +19,17 @@
 namespace granary::run {
 namespace {
 
+// Adds its lifetime to the CPU seconds spent on output.
+class OutputTimer {
+ public:
+  explicit OutputTimer(double& total_s) : total_s_(total_s) {}
+  ~OutputTimer() { total_s_ += timer_.cpu_s(); }
+
+ private:
+  double& total_s_;
+  CostTimer timer_;
+};
+
 enum class Ending { finished, rejected, cancelled, released, timed_out };
 
 class TaskRun {
@@ -155,6 +166,7 @@ class TaskRun {
   }
 
   void keep_frame() {
+    const OutputTimer timer(output_cpu_s_);
     const std::vector<core::ColumnView> columns = wanted_columns(simulation_->frame());
     if (const auto where = find_non_finite(columns)) {
       rejection_ = rejection_of(*where, now_.time_s);
@@ -235,6 +247,7 @@ class TaskRun {
   }
 
   void save_checkpoint() {
+    const OutputTimer output(output_cpu_s_);
     const CostTimer timer;
     RunRecord record = record_;
     record.frames = schedule_.state();
@@ -288,8 +301,12 @@ class TaskRun {
     TaskOutcome outcome;
     outcome.outcome = how;
     outcome.result = result_message(spec_, record_, report);
-    if (storage_.active())
-      outcome.artifact = storage_.publish(result_content(spec_, record_, report, outcome.result));
+    if (storage_.active()) {
+      const OutputTimer output(output_cpu_s_);
+      storage_.publish(result_content(spec_, record_, report, outcome.result));
+      outcome.published = true;
+    }
+    add_phase({"output", output_cpu_s_});
     outcome.profile = profile_;
     return outcome;
   }
@@ -335,6 +352,7 @@ class TaskRun {
   std::uint64_t particle_steps_done_ = 0;    // in this attempt, replicates before this one
   std::uint64_t particle_steps_before_ = 0;  // of this replicate, in earlier attempts
   double engine_wall_before_s_ = 0;          // in earlier attempts
+  double output_cpu_s_ = 0;  // frames, checkpoints and the result file, in this attempt
   std::vector<core::PhaseSeconds> profile_;
 };
 

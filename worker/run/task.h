@@ -5,7 +5,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,7 +55,7 @@ struct TaskOutcome {
   v1::TaskFinished::Outcome outcome = v1::TaskFinished::ERROR;
   std::string message;  // one line: why it did not complete
   v1::Result result;
-  std::optional<v1::Artifact> artifact;  // of result_path, once it is published
+  bool published = false;  // the file at result_path is there, whole and durable
   std::vector<core::PhaseSeconds> profile;
 };
 

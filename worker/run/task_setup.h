@@ -16,7 +16,7 @@ struct EngineBuild {
 };
 
 // INVALID_ARGUMENT with the field path when the scene is not valid. Paths and limits are left to the
-// caller.
+// caller. GRANARY_CHECKPOINT_INTERVAL_S overrides the seconds between checkpoints.
 Result<TaskSpec> make_task(const v1::Scene& submitted, const EngineBuild& build);
 
 }  // namespace granary::run

@@ -89,16 +89,19 @@ FileWriter::FileWriter(const Path& path)
       scalar_space_(H5Screate(H5S_SCALAR), H5Sclose, "shape a scalar"),
       text_type_(variable_text_type()) {}
 
-void FileWriter::create_group(const std::string& path) {
-  const Handle group(H5Gcreate2(file_, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                     H5Gclose, "create group " + path);
+Handle FileWriter::open_new_group(const std::string& path) {
+  return Handle(H5Gcreate2(file_, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose,
+                "create group " + path);
 }
 
-void FileWriter::write_dataset(const std::string& path, hid_t type, hid_t space,
-                               std::string_view unit, std::span<const std::byte> bytes) {
+void FileWriter::create_group(const std::string& path) { open_new_group(path); }
+
+void FileWriter::write_dataset(hid_t place, const std::string& name, const std::string& path,
+                               hid_t type, hid_t space, std::string_view unit,
+                               std::span<const std::byte> bytes) {
   if (unit.empty()) unit = "1";
   {
-    Handle dataset(H5Dcreate2(file_, path.c_str(), type, space, H5P_DEFAULT, dataset_options_,
+    Handle dataset(H5Dcreate2(place, name.c_str(), type, space, H5P_DEFAULT, dataset_options_,
                               H5P_DEFAULT),
                    H5Dclose, "create " + path);
     if (!bytes.empty())
@@ -117,25 +120,33 @@ void FileWriter::write_dataset(const std::string& path, hid_t type, hid_t space,
 
 void FileWriter::write_column(const std::string& path, const core::ColumnView& column) {
   const auto* data = static_cast<const std::byte*>(column.data);
-  write_dataset(path, file_type_of(column.type), space_of(column), column.unit,
+  write_dataset(file_, path, path, file_type_of(column.type), space_of(column), column.unit,
                 {data, column.size_bytes()});
 }
 
+void FileWriter::write_column_in(hid_t group, const std::string& group_path,
+                                 const core::ColumnView& column) {
+  const auto* data = static_cast<const std::byte*>(column.data);
+  const std::string name(column.name);
+  write_dataset(group, name, group_path + "/" + name, file_type_of(column.type), space_of(column),
+                column.unit, {data, column.size_bytes()});
+}
+
 void FileWriter::write_scalar(const std::string& path, std::string_view unit, double value) {
-  write_dataset(path, H5T_IEEE_F64LE, scalar_space_, unit,
+  write_dataset(file_, path, path, H5T_IEEE_F64LE, scalar_space_, unit,
                 std::as_bytes(std::span<const double>(&value, 1)));
 }
 
 void FileWriter::write_unknown(const std::string& path, std::string_view unit) {
   const Handle nothing(H5Screate(H5S_NULL), H5Sclose, "shape an unknown value");
-  write_dataset(path, H5T_IEEE_F64LE, nothing, unit, {});
+  write_dataset(file_, path, path, H5T_IEEE_F64LE, nothing, unit, {});
 }
 
 void FileWriter::write_text(const std::string& path, std::string_view text) {
   std::string stored(text);
   if (stored.empty()) stored.push_back('\0');  // HDF5 has no text of length 0
   const Handle type = fixed_text_type(stored.size());
-  write_dataset(path, type, scalar_space_, kTextUnit, std::as_bytes(std::span(stored)));
+  write_dataset(file_, path, path, type, scalar_space_, kTextUnit, std::as_bytes(std::span(stored)));
 }
 
 void FileWriter::write_texts(const std::string& path, std::span<const std::string> texts) {
@@ -146,36 +157,44 @@ void FileWriter::write_texts(const std::string& path, std::span<const std::strin
     std::memcpy(stored.data() + i * longest, texts[i].data(), texts[i].size());
   const hsize_t rows = texts.size();
   const Handle type = fixed_text_type(longest);
-  write_dataset(path, type, simple_space({&rows, 1}), kTextUnit, std::as_bytes(std::span(stored)));
+  write_dataset(file_, path, path, type, simple_space({&rows, 1}), kTextUnit, std::as_bytes(std::span(stored)));
 }
 
-void FileWriter::link(const std::string& existing_path, const std::string& path) {
-  check(H5Lcreate_hard(file_, existing_path.c_str(), file_, path.c_str(), H5P_DEFAULT, H5P_DEFAULT),
-        "link " + path);
+void FileWriter::link_in(hid_t group, const std::string& existing_path, const std::string& name) {
+  check(H5Lcreate_hard(file_, existing_path.c_str(), group, name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+        "link " + name + " to " + existing_path);
 }
 
 namespace {
 
-void write_attribute(hid_t file, const std::string& path, const char* name, hid_t type, hid_t space,
-                     const void* value) {
-  const Handle object(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose, "open " + path);
+void write_attribute(hid_t object, const char* name, hid_t type, hid_t space, const void* value) {
   const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-                         "create attribute of " + path);
-  check(H5Awrite(attribute, type, value), "write attribute of " + path);
+                         std::string("create attribute ") + name);
+  check(H5Awrite(attribute, type, value), std::string("write attribute ") + name);
+}
+
+Handle open_object(hid_t file, const std::string& path) {
+  return Handle(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose, "open " + path);
 }
 
 }  // namespace
 
-void FileWriter::set_attribute(const std::string& path, const char* name, double value) {
-  write_attribute(file_, path, name, H5T_IEEE_F64LE, scalar_space_, &value);
+void FileWriter::set_attribute_of(hid_t object, const char* name, double value) {
+  write_attribute(object, name, H5T_IEEE_F64LE, scalar_space_, &value);
 }
-void FileWriter::set_attribute(const std::string& path, const char* name, std::uint64_t value) {
-  write_attribute(file_, path, name, H5T_STD_U64LE, scalar_space_, &value);
-}
-void FileWriter::set_attribute(const std::string& path, const char* name, std::string_view text) {
+void FileWriter::set_attribute_of(hid_t object, const char* name, std::string_view text) {
   const std::string stored(text);
   const char* pointer = stored.c_str();
-  write_attribute(file_, path, name, text_type_, scalar_space_, &pointer);
+  write_attribute(object, name, text_type_, scalar_space_, &pointer);
+}
+void FileWriter::set_attribute(const std::string& path, const char* name, double value) {
+  set_attribute_of(open_object(file_, path), name, value);
+}
+void FileWriter::set_attribute(const std::string& path, const char* name, std::uint64_t value) {
+  write_attribute(open_object(file_, path), name, H5T_STD_U64LE, scalar_space_, &value);
+}
+void FileWriter::set_attribute(const std::string& path, const char* name, std::string_view text) {
+  set_attribute_of(open_object(file_, path), name, text);
 }
 
 void FileWriter::write_checksums() {

@@ -19,12 +19,18 @@ class FileWriter {
   explicit FileWriter(const Path& path);
 
   void create_group(const std::string& path);
+  // The same, kept open: many datasets in one group are found faster below it than from the root.
+  Handle open_new_group(const std::string& path);
+  void write_column_in(hid_t group, const std::string& group_path, const core::ColumnView& column);
+  void link_in(hid_t group, const std::string& existing_path, const std::string& name);
+  void set_attribute_of(hid_t object, const char* name, double value);
+  void set_attribute_of(hid_t object, const char* name, std::string_view text);
+
   void write_column(const std::string& path, const core::ColumnView& column);
   void write_scalar(const std::string& path, std::string_view unit, double value);
   void write_unknown(const std::string& path, std::string_view unit);  // null dataspace: no value
   void write_text(const std::string& path, std::string_view text);
   void write_texts(const std::string& path, std::span<const std::string> texts);
-  void link(const std::string& existing_path, const std::string& path);  // hard link
 
   void set_attribute(const std::string& path, const char* name, double value);
   void set_attribute(const std::string& path, const char* name, std::uint64_t value);
@@ -34,8 +40,9 @@ class FileWriter {
   void finish();
 
  private:
-  void write_dataset(const std::string& path, hid_t type, hid_t space, std::string_view unit,
-                     std::span<const std::byte> bytes);
+  // `name` below `place`; `path` is its full path.
+  void write_dataset(hid_t place, const std::string& name, const std::string& path, hid_t type, 
+                     hid_t space, std::string_view unit, std::span<const std::byte> bytes);
   void write_checksums();
 
   Handle file_;

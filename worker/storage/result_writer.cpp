@@ -118,26 +118,33 @@ struct ResultWriter::Impl {
     file->create_group("/frames");
   }
 
-  // Columns that did not change since the frame before (radius, id) are linked, not stored again.
-  void write_frame_column(const std::string& path_in_file, const core::Column& column) {
-    auto& [previous, previous_path] = last_columns[column.name];
-    const bool same = !previous_path.empty() && previous.bytes == column.bytes &&
-                      previous.rows == column.rows && previous.width == column.width &&
-                      previous.type == column.type && previous.unit == column.unit;
-    if (same) {
-      file->link(previous_path, path_in_file);
-      return;
+  // Columns that never change (radius, id) are stored once and linked in the other frames. A column
+  // that has changed once is not compared again.
+  void write_frame_column(hid_t group, const std::string& group_path, const core::Column& column) {
+    const auto known = constant_columns.find(column.name);
+    if (known != constant_columns.end()) {
+      auto& [first, path_of_first] = known->second;
+      if (is_same(first, column)) {
+        file->link_in(group, path_of_first, column.name);
+        return;
+      }
+      first.bytes.clear();
+    } else {
+      constant_columns[column.name] = {column, group_path + "/" + column.name};
     }
-    file->write_column(path_in_file, core::view_of(column));
-    previous = column;
-    previous_path = path_in_file;
+    file->write_column_in(group, group_path, core::view_of(column));
+  }
+
+  static bool is_same(const core::Column& a, const core::Column& b) {
+    return !a.bytes.empty() && a.type == b.type && a.rows == b.rows && a.width == b.width &&
+           a.unit == b.unit && a.bytes == b.bytes;
   }
 
   FileSystem& files;
   Path path;
   Path temporary;
   std::unique_ptr<hdf5::FileWriter> file;
-  std::map<std::string, std::pair<core::Column, std::string>> last_columns;
+  std::map<std::string, std::pair<core::Column, std::string>> constant_columns;  // by name
   bool committed = false;
 };
 
@@ -155,12 +162,11 @@ ResultWriter::~ResultWriter() {
 }
 
 void ResultWriter::add_frame(const Frame& frame) {
-  const std::string group = numbered("/frames/", 6, frame.index);
-  impl_->file->create_group(group);
-  impl_->file->set_attribute(group, "time_s", frame.time_s);
-  impl_->file->set_attribute(group, "phase", frame.phase);
-  for (const core::Column& column : frame.columns)
-    impl_->write_frame_column(group + "/" + column.name, column);
+  const std::string path = numbered("/frames/", 6, frame.index);
+  const hdf5::Handle group = impl_->file->open_new_group(path);
+  impl_->file->set_attribute_of(group, "time_s", frame.time_s);
+  impl_->file->set_attribute_of(group, "phase", frame.phase);
+  for (const core::Column& column : frame.columns) impl_->write_frame_column(group, path, column);
 }
 
 void ResultWriter::add_content(const ResultContent& content) {
@@ -180,15 +186,13 @@ void ResultWriter::add_content(const ResultContent& content) {
   write_provenance(file, content.provenance);
 }
 
-FileDigest ResultWriter::commit() {
+void ResultWriter::commit() {
   impl_->file->finish();
   impl_->file.reset();
   impl_->files.sync_file(impl_->temporary);
-  const FileDigest digest = sha256_of(impl_->files, impl_->temporary);
   impl_->files.rename(impl_->temporary, impl_->path);
   impl_->files.sync_directory(directory_of(impl_->path));
   impl_->committed = true;
-  return digest;
 }
 
 }  // namespace granary::storage

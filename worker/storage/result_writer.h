@@ -4,7 +4,6 @@
 
 #include <memory>
 
-#include "worker/storage/checksum.h"
 #include "worker/storage/file_system.h"
 #include "worker/storage/result_content.h"
 #include "worker/storage/segment.h"
@@ -22,7 +21,7 @@ class ResultWriter {
 
   void add_frame(const Frame& frame);
   void add_content(const ResultContent& content);
-  FileDigest commit();
+  void commit();
 
  private:
   struct Impl;

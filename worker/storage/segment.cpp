@@ -11,7 +11,6 @@ namespace {
 constexpr std::array<char, 8> kMagic = {'G', 'R', 'N', 'S', 'E', 'G', '1', '\n'};
 constexpr std::uint32_t kRecordMagic = 0x44434552;  // "RECD"
 constexpr std::size_t kRecordHeaderBytes = 24;
-constexpr std::size_t kReadBufferBytes = 1 << 20;
 
 void encode_about(Bytes& out, const SegmentAbout& about) {
   ByteWriter writer(out);
@@ -67,7 +66,6 @@ SegmentWriter::SegmentWriter(FileSystem& files, Path directory, const SegmentAbo
   record_.assign(reinterpret_cast<const std::byte*>(kMagic.data()),
                  reinterpret_cast<const std::byte*>(kMagic.data() + kMagic.size()));
   file_->append(record_);
-  checksum_.add(record_);
   info_.size_bytes = record_.size();
   begin_record();
   encode_about(record_, about);
@@ -87,7 +85,7 @@ void SegmentWriter::end_record() {
   writer.put(xxh3(payload));
   std::memcpy(record_.data(), header.data(), kRecordHeaderBytes);
   file_->append(record_);
-  checksum_.add(record_);
+  checksum_.add(header);
   info_.size_bytes += record_.size();
 }
 
@@ -134,9 +132,12 @@ bool SegmentReader::read_record() {
   payload_.resize(payload_bytes);
   if (file_->read(payload_) != payload_bytes || xxh3(payload_) != checksum) return false;
   bytes_left_ -= payload_bytes;
+  checksum_.add(header);
   torn_ = false;
   return true;
 }
+
+bool SegmentReader::skip() { return read_record(); }
 
 std::optional<Frame> SegmentReader::next() {
   if (!read_record()) return std::nullopt;
@@ -146,12 +147,15 @@ std::optional<Frame> SegmentReader::next() {
 bool is_intact(FileSystem& files, const Path& directory, const SegmentInfo& info) {
   const Path path = directory / info.name;
   if (!files.exists(path) || files.size_bytes(path) != info.size_bytes) return false;
-  RunningChecksum checksum;
-  Bytes buffer(kReadBufferBytes);
-  const auto file = files.open(path);
-  while (const std::size_t got = file->read(buffer))
-    checksum.add(std::span<const std::byte>(buffer).first(got));
-  return checksum.value() == info.checksum;
+  try {
+    SegmentReader reader(files, path);
+    while (reader.skip()) {
+    }
+    return !reader.torn() && reader.checksum() == info.checksum;
+  } catch (const StorageError& error) {
+    if (error.fault() == StorageFault::damaged) return false;
+    throw;
+  }
 }
 
 }  // namespace granary::storage

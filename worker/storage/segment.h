@@ -53,7 +53,7 @@ struct SegmentInfo {
   std::uint64_t first_frame = 0;
   std::uint64_t frame_count = 0;
   std::uint64_t size_bytes = 0;
-  std::uint64_t checksum = 0;  // XXH3-64 of the whole file
+  std::uint64_t checksum = 0;  // XXH3-64 of all record headers, which hold those of the payloads
 };
 
 class SegmentWriter {
@@ -82,7 +82,9 @@ class SegmentReader {
   const SegmentAbout& about() const { return about_; }
   // The next intact frame; nullopt at the end and at the first damaged record.
   std::optional<Frame> next();
+  bool skip();  // as next(), without decoding it
   bool torn() const { return torn_; }  // stopped before the end of the file
+  std::uint64_t checksum() const { return checksum_.value(); }  // of the records read so far
 
  private:
   bool read_record();  // into payload_; false at the end or when damaged
@@ -91,6 +93,7 @@ class SegmentReader {
   std::uint64_t bytes_left_ = 0;
   SegmentAbout about_;
   bool torn_ = false;
+  RunningChecksum checksum_;
   Bytes payload_;
 };
 

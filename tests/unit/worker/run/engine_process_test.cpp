@@ -10,6 +10,7 @@
 #include "tests/support/engine_child.h"
 #include "tests/support/temporary_directory.h"
 #include "tests/support/toy_simulation.h"
+#include "worker/storage/checksum.h"
 #include "worker/storage/verify.h"
 
 namespace granary::run {
@@ -54,7 +55,9 @@ TEST_F(EngineProcess, leaves_progress_result_and_outcome) {
   EXPECT_TRUE(message.result().values().contains("f1_m"));
   EXPECT_FALSE(message.result().decisions().empty());
   EXPECT_FALSE(message.result().effects().empty());
-  EXPECT_EQ(message.artifact().size_bytes(), std::filesystem::file_size(directory / "result.h5"));
+  const auto digest = storage::sha256_of(storage::real_file_system(), directory / "result.h5");
+  EXPECT_EQ(message.artifact().size_bytes(), digest.size_bytes);
+  EXPECT_EQ(message.artifact().sha256(), digest.sha256);
   EXPECT_TRUE(storage::verify_result(directory / "result.h5").ok());
   EXPECT_FALSE(std::filesystem::exists(directory / "segment-000000"));
 }

@@ -63,8 +63,7 @@ TEST_F(RunTask, gives_values_cost_ledger_and_a_file_that_verifies) {
   const storage::VerifyReport report = storage::verify_result(directory / "r.h5");
   EXPECT_TRUE(report.ok()) << report.problems.front();
   EXPECT_EQ(report.frame_count, 101u);
-  ASSERT_TRUE(outcome.artifact);
-  EXPECT_EQ(outcome.artifact->size_bytes(), std::filesystem::file_size(directory / "r.h5"));
+  EXPECT_TRUE(outcome.published);
 }
 
 TEST_F(RunTask, file_and_message_say_the_same) {

@@ -108,14 +108,6 @@ TEST(ResultFile, is_not_there_before_commit_and_leaves_nothing_behind) {
   EXPECT_TRUE(std::filesystem::is_empty(directory.path()));
 }
 
-TEST(ResultFile, digest_is_of_the_published_file) {
-  TemporaryDirectory directory;
-  const FileDigest digest = write_sample_result(directory / "r.h5");
-  const FileDigest again = sha256_of(real_file_system(), directory / "r.h5");
-  EXPECT_EQ(digest.sha256, again.sha256);
-  EXPECT_EQ(digest.size_bytes, std::filesystem::file_size(directory / "r.h5"));
-}
-
 TEST(ResultFile, in_a_directory_that_is_missing_is_an_error_with_its_path) {
   try {
     ResultWriter writer(real_file_system(), "/nonexistent/r.h5");
