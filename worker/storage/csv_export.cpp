@@ -143,6 +143,8 @@ void export_group(hid_t file, const char* name, const Path& directory, std::vect
 
 std::vector<Path> export_csv(const Path& result, const Path& directory) {
   hdf5::silence_library();
+  if (H5Fis_hdf5(result.c_str()) <= 0)
+    throw StorageError(StorageFault::damaged, result.string() + " is not an HDF5 file");
   const Handle file(H5Fopen(result.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
                     "open " + result.string());
   std::error_code failure;
