@@ -15,6 +15,7 @@
 #include "worker/agent/agent.h"
 #include "worker/run/console.h"
 #include "worker/run/engine_process.h"
+#include "worker/run/export_console.h"
 #include "worker/scene/discharge.h"
 
 namespace {
@@ -40,6 +41,7 @@ struct Options {
   std::vector<std::string> settings;
   std::string format = "table";
   std::string verify_file;
+  std::string export_file;
   std::string salvage_directory;
   std::string engine_directory;
   int parent = 0;
@@ -66,6 +68,8 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag("--profile", options.console.profile, "seconds per phase of a time step, on stderr");
   app.add_flag("-q,--quiet", options.console.quiet, "no progress");
   app.add_option("--verify", options.verify_file, "check a result file");
+  app.add_option("--export-csv", options.export_file, "write the tables of a result file to the folder -o")
+      ->needs("--output");
   app.add_option("--salvage", options.salvage_directory,
                  "make a result file (-o) of the frames in the .parts of an unfinished run")
       ->needs("--output");
@@ -90,6 +94,8 @@ int run_program(Options& options) {
   if (!options.engine_directory.empty())
     return run::run_engine_process(options.engine_directory, options.parent, engine_build());
   if (!options.verify_file.empty()) return run::verify_console(options.verify_file);
+  if (!options.export_file.empty())
+    return run::export_console(options.export_file, options.console.output_file);
   if (!options.salvage_directory.empty())
     return run::salvage_console(options.salvage_directory, options.console.output_file);
   if (!options.agent.server.empty()) return serve(options);

@@ -19,6 +19,7 @@ void add_all_verbs(CommandLine& line) {
   add_values(line);
   add_explain(line);
   add_fetch(line);
+  add_export(line);
   add_verify(line);
   add_health(line);
   add_config(line);

@@ -21,6 +21,7 @@ void add_workers(CommandLine& line);
 void add_values(CommandLine& line);
 void add_explain(CommandLine& line);
 void add_fetch(CommandLine& line);
+void add_export(CommandLine& line);
 void add_verify(CommandLine& line);
 void add_health(CommandLine& line);
 void add_config(CommandLine& line);

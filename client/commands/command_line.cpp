@@ -70,6 +70,17 @@ Status Context::write_rows(const render::Table& table, render::JsonShape shape) 
   return write(render::render_rows(table, format(), shape));
 }
 
+Status Context::write_listing(const render::Table& table, std::size_t plain_column) {
+  std::string text;
+  if (format() == render::Format::table)
+    for (const auto& row : table.rows) text += row[plain_column].get<std::string>() + "\n";
+  else
+    text = render::render_rows(table, format(), render::JsonShape::lines);
+  std::cout << text << std::flush;
+  if (std::cout) return Done{};
+  return Error{ErrorCode::failed_precondition, "standard output cannot be written", ""};
+}
+
 void Context::say(std::string_view text) const {
   if (!options_.quiet) print_error(std::string(text));
 }

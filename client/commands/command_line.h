@@ -40,6 +40,8 @@ class Context {
 
   Status write(std::string_view data);
   Status write_rows(const render::Table& table, render::JsonShape shape);
+  // For verbs whose -o names what they make: always on stdout; as table, one column alone.
+  Status write_listing(const render::Table& table, std::size_t plain_column);
 
   void say(std::string_view text) const;     // unless -q
   void detail(std::string_view text) const;  // with -v

@@ -59,9 +59,7 @@ Outcome fetch(Context& context, const std::string& text, bool force) {
   if (fetched->was_there) context.say(request.file.string() + " is already there");
   const render::Table table{{"job", "file", "size_bytes", "sha256"},
                             {{*job, request.file.string(), fetched->size_bytes, fetched->sha256}}};
-  std::cout << (context.format() == render::Format::table
-                    ? request.file.string() + "\n"
-                    : render::render_rows(table, context.format(), render::JsonShape::lines));
+  if (auto written = context.write_listing(table, 1); !written) return written.error();
   return ExitCode::ok;
 }
 

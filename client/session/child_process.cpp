@@ -20,6 +20,7 @@ struct Prepared {
   int null_fd = -1;
   int report_fd = -1;  // closed by a successful exec; else carries errno
   pid_t parent = 0;
+  bool output_to_stderr = false;
   bool detached = false;
   bool ends_with_parent = false;
 };
@@ -34,6 +35,7 @@ struct Prepared {
     if (getppid() != prepared.parent) _exit(1);  // it died before prctl
   }
   if (prepared.null_fd >= 0) dup2(prepared.null_fd, STDIN_FILENO);
+  if (prepared.output_to_stderr) dup2(STDERR_FILENO, STDOUT_FILENO);
   if (prepared.log_fd >= 0) {
     dup2(prepared.log_fd, STDOUT_FILENO);
     dup2(prepared.log_fd, STDERR_FILENO);
@@ -78,6 +80,7 @@ Result<pid_t> start_child(const ChildOptions& options) {
   Descriptors open_here;
   Prepared prepared;
   prepared.parent = getpid();
+  prepared.output_to_stderr = options.output_to_stderr;
   prepared.detached = options.detached;
   prepared.ends_with_parent = options.ends_with_parent;
   for (const std::string& argument : options.command)
@@ -104,6 +107,15 @@ Result<pid_t> start_child(const ChildOptions& options) {
     return start_error(options.command[0], cause);
   }
   return pid;
+}
+
+Result<int> run_child(const ChildOptions& options) {
+  auto pid = start_child(options);
+  if (!pid) return pid.error();
+  int status = 0;
+  while (waitpid(*pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
 }  // namespace granary::session

@@ -17,6 +17,7 @@ struct FetchRequest {
   std::string job;
   std::filesystem::path file;
   bool overwrite = false;  // else an existing file with other content is an error
+  bool record_checksum = true;  // FILE.sha256
 };
 
 struct Fetched {

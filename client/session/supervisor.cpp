@@ -94,7 +94,10 @@ Status Supervisor::prepare() {
 Status Supervisor::start(Child& child) {
   child.restart_at.reset();
   child.started = Clock::now();
-  auto pid = start_child({.command = child.command, .log_file = {}, .ends_with_parent = true});
+  auto pid = start_child({.command = child.command,
+                          .log_file = {},
+                          .output_to_stderr = true,
+                          .ends_with_parent = true});
   if (!pid) return pid.error();
   child.pid = *pid;
   return Done{};

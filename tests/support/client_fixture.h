@@ -21,7 +21,7 @@ inline constexpr const char* kSmallScene = R"(discharge {
 }
 )";
 
-class ClientTest : public testing::Test {
+class ClientTest : public ::testing::Test {
  protected:
   ClientTest() : server_(scratch_.path()) {
     environment_ = {{"HOME", scratch_.path()}, {"GRANARY_SERVER", server_.address()}};
