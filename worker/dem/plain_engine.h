@@ -1,0 +1,143 @@
+// The DEM step written for reading: one grain after the other, all options tested at run time, double
+// precision, one thread. It is the oracle that the fast engine is compared with. Its result does not
+// depend on when its neighbour list was built: contacts are visited in the order of the grain ids.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "worker/core/cell_grid.h"
+#include "worker/core/column.h"
+#include "worker/core/energy_ledger.h"
+#include "worker/core/simulation.h"
+#include "worker/dem/body_terms.h"
+#include "worker/dem/grains.h"
+#include "worker/dem/pair_coefficients.h"
+#include "worker/dem/setup.h"
+
+namespace granary::dem {
+
+class PlainEngine {
+ public:
+  // Precondition: at least one class, 0 < time_step <= stable_time_step(setup).
+  explicit PlainEngine(const EngineSetup& setup);
+
+  // Adds grains at the current time; returns the id of the first, the rest follow in order.
+  std::int64_t insert(std::span<const Grain> grains);
+  // Frees the carried grains with first <= id < end: from now on forces move them.
+  void release(std::int64_t first, std::int64_t end);
+  // Replaces the gravity of the setup from now on (a filling settles under another one).
+  void set_gravity(const core::Vec3& gravity);
+
+  void advance(std::uint64_t steps);
+
+  std::uint64_t step() const { return step_; }
+  double time() const { return static_cast<double>(step_) * setup_.time_step; }
+  std::size_t grain_count() const { return bodies_.size(); }
+  std::size_t contact_count() const { return contacts_.size(); }
+  std::uint64_t particle_steps() const { return particle_steps_; }
+  double largest_overlap_ratio() const { return largest_overlap_ratio_; }
+  const EngineSetup& setup() const { return setup_; }
+
+  GrainTable grains() const;
+  std::vector<Leaver> take_leavers();
+  const core::EnergyLedger& ledger() const { return ledger_; }
+  // Set once a sentinel has tripped: overlap, NaN. The state is then of no use.
+  const std::optional<core::Rejection>& trouble() const { return trouble_; }
+
+  core::State snapshot() const;
+  // Throws std::runtime_error when the state does not belong to an engine of this setup.
+  void restore(const core::State& state);
+
+ private:
+  struct Body {
+    core::Vec3 position;       // at the full step, engine axes
+    core::Vec3 velocity_half;  // half a step earlier
+    core::Vec3 spin_half;
+    core::Vec3 carried_velocity;  // chute axes, while carried
+    core::Vec3 force;
+    core::Vec3 torque;
+    core::Vec3 velocity_mean;  // over the last kick, for the ledger
+    core::Vec3 spin_mean;
+    std::int64_t id = 0;
+    std::uint8_t grain_class = 0;
+    bool carried = false;
+    bool fresh = true;  // its first overlaps enter the ledger through the inlet
+  };
+  struct Candidate {
+    std::int32_t first = 0;
+    std::int32_t second = 0;  // < 0: wall -1 - second
+    std::int64_t first_id = 0;
+    std::int64_t second_id = 0;  // of a wall: same as `second`
+    core::Vec3 spring = {};
+    bool touching = false;
+    bool is_wall() const { return second < 0; }
+    std::size_t wall() const { return static_cast<std::size_t>(-1 - second); }
+  };
+  struct Contact {
+    std::size_t candidate = 0;
+    ContactGeometry geometry;
+    ContactForce force;
+  };
+
+  void restore_scalars(const core::State& state);
+  void step_once();
+  void refresh_candidates();
+  bool candidates_are_stale() const;
+  std::vector<Candidate> collect_candidates() const;
+  void add_neighbours_of(std::size_t a, std::span<const core::Vec3> points,
+                         const core::CellGrid& grid, std::vector<Candidate>& list) const;
+  void add_walls_of(std::size_t a, const core::Vec3& point, std::vector<Candidate>& list) const;
+  void place_walls();
+  bool find_contact(const Candidate& candidate, ContactGeometry& geometry) const;
+  void sum_forces();
+  void meet(std::size_t candidate_index);
+  void part(Candidate& candidate);
+  void integrate();
+  void carry(Body& body);
+  void let_leavers_go();
+  void log_if_leaving(const Body& body);
+  void watch();
+
+  const GrainClass& class_of(const Body& body) const { return setup_.classes[body.grain_class]; }
+  const ContactCoefficients& law_of(const Candidate& candidate) const;
+  double spin_response_of(const Candidate& candidate) const;
+
+  void book_step();
+  void book_contact(const Contact& contact, double span);
+  void book_drive(const Contact& contact, double span);
+  void book_first_overlap(const Contact& contact);
+  void book(core::EnergyChannel channel, double energy);
+  void update_stored();
+  double kinetic_energy(const Body& body) const;
+  double potential_energy(const Body& body) const;
+  double mechanical_energy(const Body& body) const;
+  double elastic_energy(const Contact& contact) const;
+
+  EngineSetup setup_;
+  BodyTerms terms_;
+  PairCoefficients coefficients_;
+  core::Mat3 spring_turn_;  // rotation of the chute in one step, engine axes
+  core::Mat3 half_turn_;    // and in half a step
+  double skin_ = 0;
+
+  std::vector<Body> bodies_;  // ascending ids
+  std::vector<Candidate> candidates_;
+  std::vector<core::Vec3> listed_at_;  // positions when the candidates were collected
+  std::vector<Contact> contacts_;
+  std::vector<Plane> walls_now_;  // engine axes
+  FrameMap map_;                  // at the current time
+  bool list_is_void_ = true;
+  std::uint64_t step_ = 0;
+  std::int64_t next_id_ = 0;
+  std::uint64_t particle_steps_ = 0;
+  double largest_overlap_ratio_ = 0;
+  std::vector<Leaver> leavers_;
+  core::EnergyLedger ledger_;
+  std::uint64_t booked_steps_ = 0;  // channels are integrated up to here
+  std::optional<core::Rejection> trouble_;
+};
+
+}  // namespace granary::dem
