@@ -43,6 +43,14 @@ Vec3 BodyTerms::half_step_on(const Vec3& velocity_half, const Vec3& position) co
          (acceleration(position) - 2 * cross(omega_, velocity_half)) * (0.5 * time_step_);
 }
 
+Vec3 BodyTerms::spin_half_step_back(const Vec3& spin) const {
+  return spin + cross(omega_, spin) * (0.5 * time_step_);
+}
+
+Vec3 BodyTerms::spin_half_step_on(const Vec3& spin_half) const {
+  return spin_half - cross(omega_, spin_half) * (0.5 * time_step_);
+}
+
 FrameMap::FrameMap(const Motion& motion, double time)
     : wall_omega_(motion.frame == FrameKind::inertial ? motion.omega : Vec3{}),
       axis_point_(motion.axis_point) {

@@ -25,6 +25,8 @@ class BodyTerms {
   // Between the full-step velocity users see and the half step before it, body terms only.
   core::Vec3 half_step_back(const core::Vec3& velocity, const core::Vec3& position) const;
   core::Vec3 half_step_on(const core::Vec3& velocity_half, const core::Vec3& position) const;
+  core::Vec3 spin_half_step_back(const core::Vec3& spin) const;
+  core::Vec3 spin_half_step_on(const core::Vec3& spin_half) const;
 
   const core::Vec3& frame_omega() const { return omega_; }  // zero in the inertial frame
 

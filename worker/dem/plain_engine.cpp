@@ -53,7 +53,7 @@ std::int64_t PlainEngine::insert(std::span<const Grain> grains) {
     body.grain_class = grain.grain_class;
     body.position = map_.position_in(grain.position);
     body.velocity_half = map_.velocity_in(grain.velocity, grain.position);
-    body.spin_half = map_.spin_in(grain.spin);
+    body.spin_half = terms_.spin_half_step_back(map_.spin_in(grain.spin));
     body.carried = grain.carried;
     body.carried_velocity = grain.velocity;
     if (!grain.carried) {
@@ -131,7 +131,7 @@ GrainTable PlainEngine::grains() const {
     table.id.push_back(body.id);
     table.position.push_back(map_.position_out(body.position));
     table.velocity.push_back(map_.velocity_out(velocity, body.position));
-    table.spin.push_back(map_.spin_out(body.spin_half));
+    table.spin.push_back(map_.spin_out(terms_.spin_half_step_on(body.spin_half)));
     table.radius.push_back(class_of(body).radius);
     table.mass.push_back(class_of(body).mass());
     table.grain_class.push_back(body.grain_class);
@@ -289,7 +289,7 @@ bool PlainEngine::find_contact(const Candidate& candidate, ContactGeometry& geom
     if (geometry.overlap <= 0) return false;
     geometry.normal = -wall.normal;
     const Vec3 half_back = a.position - a.velocity_half * (0.5 * setup_.time_step);
-    geometry.relative_spin = a.spin_half - map_.wall_spin();
+    geometry.relative_spin = half_turn_ * (a.spin_half - map_.wall_spin());
     geometry.relative_velocity = half_turn_ * (a.velocity_half - map_.wall_velocity(half_back)) +
                                  cross(geometry.relative_spin * geometry.radius_a, geometry.normal);
     return true;
@@ -301,10 +301,10 @@ bool PlainEngine::find_contact(const Candidate& candidate, ContactGeometry& geom
   geometry.overlap = geometry.radius_a + geometry.radius_b - distance;
   if (geometry.overlap <= 0) return false;
   geometry.normal = apart * (1 / distance);
-  geometry.relative_spin = a.spin_half - b.spin_half;
-  geometry.relative_velocity =
-      half_turn_ * (a.velocity_half - b.velocity_half) +
-      cross(a.spin_half * geometry.radius_a + b.spin_half * geometry.radius_b, geometry.normal);
+  geometry.relative_spin = half_turn_ * (a.spin_half - b.spin_half);
+  const Vec3 surface_speeds = a.spin_half * geometry.radius_a + b.spin_half * geometry.radius_b;
+  geometry.relative_velocity = half_turn_ * (a.velocity_half - b.velocity_half) +
+                               cross(half_turn_ * surface_speeds, geometry.normal);
   return true;
 }
 
