@@ -16,7 +16,7 @@ int rows_in(double length, double diameter, double spacing) {
   return 1 + static_cast<int>(std::floor((length * kFit - diameter) / spacing));
 }
 
-enum Stream : std::uint64_t { kClassStream = 1, kNoiseStream = 2 };
+enum Stream : std::uint64_t { kClassStream = 1, kJitterStream = 2, kSpinStream = 3 };
 
 }  // namespace
 
@@ -63,22 +63,28 @@ std::uint8_t LatticeFeed::draw_class(std::uint64_t grain) const {
       std::min<std::size_t>(static_cast<std::size_t>(found - cumulative_number_.begin()), last));
 }
 
+// Uniform in the cube [-1, 1)^3.
+core::Vec3 LatticeFeed::random_vector(std::uint64_t stream, std::uint64_t grain) const {
+  const auto coordinate = [&](std::uint64_t axis) {
+    return 2 * core::random_uniform(setup_.seed, stream, 3 * grain + axis) - 1;
+  };
+  return {coordinate(0), coordinate(1), coordinate(2)};
+}
+
 std::vector<Grain> LatticeFeed::layer(std::int64_t layer, double time) const {
   const std::vector<Site>& sites = layer % 2 == 0 ? corner_ : centred_;
   const double x = speed_ * (time - arrival_time(layer));
   std::vector<Grain> grains;
   for (std::size_t k = 0; k < sites.size(); ++k) {
     const std::uint64_t counter = static_cast<std::uint64_t>(layer) * corner_.size() + k;
-    const auto noise = [&](std::uint64_t axis) {
-      const double uniform = core::random_uniform(setup_.seed, kNoiseStream, 3 * counter + axis);
-      return setup_.spin_noise * (2 * uniform - 1);
-    };
     Grain grain;
     grain.grain_class = draw_class(counter);
-    grain.position = {x, sites[k].y, sites[k].z};
+    const GrainClass& grain_class = setup_.classes[grain.grain_class];
+    grain.position = core::Vec3{x, sites[k].y, sites[k].z} +
+                     random_vector(kJitterStream, counter) * (setup_.jitter * 2 * grain_class.radius);
     grain.velocity = {speed_, 0, 0};
-    const double full_noise = speed_ / setup_.classes[grain.grain_class].radius;
-    grain.spin = setup_.spin + core::Vec3{noise(0), noise(1), noise(2)} * full_noise;
+    grain.spin = setup_.spin + random_vector(kSpinStream, counter) *
+                                   (setup_.spin_noise * speed_ / grain_class.radius);
     grain.carried = true;
     grains.push_back(grain);
   }

@@ -18,7 +18,8 @@ struct LatticeFeedSetup {
   std::vector<GrainClass> classes;
   std::vector<double> mass_fractions;  // one per class, sum 1
   core::Vec3 spin;                     // of entering grains, relative to the chute [rad/s]
-  double spin_noise = 0;  // random surface speed of an entering grain / inlet speed: tells replicates apart
+  double jitter = 0;      // largest displacement from the lattice along each axis / diameter
+  double spin_noise = 0;  // random surface speed of an entering grain / inlet speed
   std::uint64_t seed = 0;
 };
 
@@ -28,6 +29,9 @@ class LatticeFeed {
   explicit LatticeFeed(const LatticeFeedSetup& setup);
 
   std::size_t grains_per_period() const { return corner_.size() + centred_.size(); }
+  std::size_t layer_size(std::int64_t layer) const {
+    return layer % 2 == 0 ? corner_.size() : centred_.size();
+  }
   double lattice_constant() const { return constant_; }  // m
   double speed() const { return speed_; }                // m/s
   double layer_interval() const { return constant_ / (2 * speed_); }  // s
@@ -46,6 +50,7 @@ class LatticeFeed {
   std::vector<Site> sites(const LatticeFeedSetup& setup, double diameter, double side_offset,
                           double floor_offset) const;
   std::uint8_t draw_class(std::uint64_t grain) const;
+  core::Vec3 random_vector(std::uint64_t stream, std::uint64_t grain) const;
 
   LatticeFeedSetup setup_;
   double constant_ = 0;

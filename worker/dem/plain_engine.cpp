@@ -58,7 +58,7 @@ std::int64_t PlainEngine::insert(std::span<const Grain> grains) {
     body.carried_velocity = grain.velocity;
     if (!grain.carried) {
       body.velocity_half = terms_.half_step_back(body.velocity_half, body.position);
-      book(EnergyChannel::inlet, -mechanical_energy(body));
+      book_transfer(EnergyChannel::inlet, body, 1);
     }
     bodies_.push_back(body);
   }
@@ -70,24 +70,22 @@ void PlainEngine::release(std::int64_t first, std::int64_t end) {
   for (Body& body : bodies_) {
     if (!body.carried || body.id < first || body.id >= end) continue;
     body.carried = false;
+    body.fresh = true;
     body.velocity_half = map_.velocity_in(body.carried_velocity, map_.position_out(body.position));
     body.velocity_half = terms_.half_step_back(body.velocity_half, body.position);
-    book(EnergyChannel::inlet, -mechanical_energy(body));
+    book_transfer(EnergyChannel::inlet, body, 1);
   }
 }
 
 void PlainEngine::set_gravity(const Vec3& gravity) {
-  double before = 0;
-  double after = 0;
   for (const Body& body : bodies_) {
-    if (!body.carried) before += mechanical_energy(body);
+    if (!body.carried) book_transfer(EnergyChannel::outlet, body, -1);
   }
   setup_.motion.gravity = gravity;
   terms_ = BodyTerms(setup_.motion, setup_.time_step);
   for (const Body& body : bodies_) {
-    if (!body.carried) after += mechanical_energy(body);
+    if (!body.carried) book_transfer(EnergyChannel::inlet, body, 1);
   }
-  book(EnergyChannel::inlet, before - after);
 }
 
 std::vector<Leaver> PlainEngine::take_leavers() { return std::exchange(leavers_, {}); }
@@ -113,11 +111,14 @@ void PlainEngine::let_leavers_go() {
     const Candidate& candidate = candidates_[contact.candidate];
     const bool gone = has_left(bodies_[candidate.first]) ||
                       (!candidate.is_wall() && has_left(bodies_[candidate.second]));
-    if (gone) book(EnergyChannel::outlet, elastic_energy(contact));
+    if (!gone) continue;
+    const double elastic = elastic_energy(contact);
+    ledger_.elastic_j -= elastic;
+    book(EnergyChannel::outlet, elastic);
   }
   std::erase_if(bodies_, [&](const Body& body) {
     if (!has_left(body)) return false;
-    book(EnergyChannel::outlet, mechanical_energy(body));
+    book_transfer(EnergyChannel::outlet, body, -1);
     list_is_void_ = true;
     return true;
   });
@@ -175,9 +176,10 @@ void PlainEngine::sum_forces() {
 
 void PlainEngine::meet(std::size_t candidate_index) {
   Candidate& candidate = candidates_[candidate_index];
+  if (is_prescribed(candidate)) return;
   Contact contact;
   contact.candidate = candidate_index;
-  if (!find_contact(candidate, contact.geometry)) return part(candidate);
+  if (!find_contact(candidate, contact.geometry)) return part(candidate, contact.geometry);
   contact.force =
       evaluate_contact(contact.geometry, law_of(candidate), setup_.effects,
                        spring_turn_ * candidate.spring, spin_response_of(candidate), setup_.time_step);
@@ -201,13 +203,25 @@ void PlainEngine::meet(std::size_t candidate_index) {
                              : std::min(contact.geometry.radius_a, contact.geometry.radius_b);
   largest_overlap_ratio_ = std::max(largest_overlap_ratio_, contact.geometry.overlap / smaller);
   contacts_.push_back(contact);
+  ++contact_evaluations_;
 }
 
-// The tangential spring of a contact that opens is lost.
-void PlainEngine::part(Candidate& candidate) {
+// Carried grains feel neither walls nor each other.
+bool PlainEngine::is_prescribed(const Candidate& candidate) const {
+  return bodies_[candidate.first].carried &&
+         (candidate.is_wall() || bodies_[candidate.second].carried);
+}
+
+// The tangential spring of a contact that opens is lost: 1/2 k_t s.(s + v dt), which is its energy at
+// the half step before, less the 1/8 k_t (v dt)^2 that it got for the share of its first step that lay
+// before the contact.
+void PlainEngine::part(Candidate& candidate, const ContactGeometry& geometry) {
   if (!candidate.touching) return;
+  const Vec3& n = geometry.normal;
+  const Vec3 sliding = geometry.relative_velocity - n * dot(geometry.relative_velocity, n);
+  const Vec3& spring = candidate.spring;
   book(EnergyChannel::friction, 0.5 * law_of(candidate).tangential_stiffness *
-                                    dot(candidate.spring, candidate.spring));
+                                    dot(spring, spring + sliding * setup_.time_step));
   candidate.spring = {};
   candidate.touching = false;
 }
@@ -286,26 +300,26 @@ bool PlainEngine::find_contact(const Candidate& candidate, ContactGeometry& geom
   if (candidate.is_wall()) {
     const Plane& wall = walls_now_[candidate.wall()];
     geometry.overlap = geometry.radius_a - dot(a.position - wall.point, wall.normal);
-    if (geometry.overlap <= 0) return false;
+    if (geometry.overlap <= 0 && !candidate.touching) return false;
     geometry.normal = -wall.normal;
     const Vec3 half_back = a.position - a.velocity_half * (0.5 * setup_.time_step);
     geometry.relative_spin = half_turn_ * (a.spin_half - map_.wall_spin());
     geometry.relative_velocity = half_turn_ * (a.velocity_half - map_.wall_velocity(half_back)) +
                                  cross(geometry.relative_spin * geometry.radius_a, geometry.normal);
-    return true;
+    return geometry.overlap > 0;
   }
   const Body& b = bodies_[candidate.second];
   geometry.radius_b = class_of(b).radius;
   const Vec3 apart = b.position - a.position;
   const double distance = norm(apart);
   geometry.overlap = geometry.radius_a + geometry.radius_b - distance;
-  if (geometry.overlap <= 0) return false;
+  if (geometry.overlap <= 0 && !candidate.touching) return false;
   geometry.normal = apart * (1 / distance);
   geometry.relative_spin = half_turn_ * (a.spin_half - b.spin_half);
   const Vec3 surface_speeds = a.spin_half * geometry.radius_a + b.spin_half * geometry.radius_b;
   geometry.relative_velocity = half_turn_ * (a.velocity_half - b.velocity_half) +
                                cross(half_turn_ * surface_speeds, geometry.normal);
-  return true;
+  return geometry.overlap > 0;
 }
 
 bool PlainEngine::candidates_are_stale() const {

@@ -38,6 +38,7 @@ class PlainEngine {
   std::size_t grain_count() const { return bodies_.size(); }
   std::size_t contact_count() const { return contacts_.size(); }
   std::uint64_t particle_steps() const { return particle_steps_; }
+  std::uint64_t contact_evaluations() const { return contact_evaluations_; }
   double largest_overlap_ratio() const { return largest_overlap_ratio_; }
   const EngineSetup& setup() const { return setup_; }
 
@@ -94,7 +95,8 @@ class PlainEngine {
   bool find_contact(const Candidate& candidate, ContactGeometry& geometry) const;
   void sum_forces();
   void meet(std::size_t candidate_index);
-  void part(Candidate& candidate);
+  bool is_prescribed(const Candidate& candidate) const;
+  void part(Candidate& candidate, const ContactGeometry& geometry);
   void integrate();
   void carry(Body& body);
   void let_leavers_go();
@@ -105,6 +107,12 @@ class PlainEngine {
   const ContactCoefficients& law_of(const Candidate& candidate) const;
   double spin_response_of(const Candidate& candidate) const;
 
+  enum class Moment { mean_of_kick, after_kick };
+  struct Relative {
+    core::Vec3 velocity;
+    core::Vec3 spin;
+  };
+  Relative relative(const Contact& contact, Moment moment) const;
   void book_step();
   void book_contact(const Contact& contact, double span);
   void book_drive(const Contact& contact, double span);
@@ -113,7 +121,7 @@ class PlainEngine {
   void update_stored();
   double kinetic_energy(const Body& body) const;
   double potential_energy(const Body& body) const;
-  double mechanical_energy(const Body& body) const;
+  void book_transfer(core::EnergyChannel channel, const Body& body, double sign);
   double elastic_energy(const Contact& contact) const;
 
   EngineSetup setup_;
@@ -133,6 +141,7 @@ class PlainEngine {
   std::uint64_t step_ = 0;
   std::int64_t next_id_ = 0;
   std::uint64_t particle_steps_ = 0;
+  std::uint64_t contact_evaluations_ = 0;
   double largest_overlap_ratio_ = 0;
   std::vector<Leaver> leavers_;
   core::EnergyLedger ledger_;

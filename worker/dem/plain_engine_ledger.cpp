@@ -25,23 +25,55 @@ double PlainEngine::potential_energy(const Body& body) const {
   return -class_of(body).mass() * dot(setup_.motion.gravity, half_back);
 }
 
-double PlainEngine::mechanical_energy(const Body& body) const {
-  return kinetic_energy(body) + potential_energy(body);
+// A free grain comes (sign +1) or goes (-1): what is stored changes as the channel does.
+void PlainEngine::book_transfer(EnergyChannel channel, const Body& body, double sign) {
+  const double kinetic = kinetic_energy(body);
+  const double potential = potential_energy(body);
+  ledger_.kinetic_j += sign * kinetic;
+  ledger_.potential_j += sign * potential;
+  book(channel, -sign * (kinetic + potential));
 }
 
-// Half a step after the force evaluation.
-double PlainEngine::elastic_energy(const Contact& contact) const {
+// Velocity of a relative to b (or the wall) at their contact, and of their spins: from the mean over
+// the last kick, or from the half step after it.
+PlainEngine::Relative PlainEngine::relative(const Contact& contact, Moment moment) const {
   const Candidate& candidate = candidates_[contact.candidate];
-  const ContactCoefficients& law = law_of(candidate);
-  Vec3 closing = bodies_[candidate.first].velocity_half;
-  if (!candidate.is_wall()) {
-    closing -= bodies_[candidate.second].velocity_half;
+  const ContactGeometry& geometry = contact.geometry;
+  const auto velocity_of = [&](const Body& body) {
+    return moment == Moment::mean_of_kick ? body.velocity_mean : body.velocity_half;
+  };
+  const auto spin_of = [&](const Body& body) {
+    return moment == Moment::mean_of_kick ? body.spin_mean : body.spin_half;
+  };
+  const Body& a = bodies_[candidate.first];
+  Relative relative{velocity_of(a), spin_of(a)};
+  Vec3 surface_speed;
+  if (candidate.is_wall()) {
+    const double back = moment == Moment::mean_of_kick ? 1 : 0.5;
+    relative.velocity -=
+        map_.wall_velocity(a.position - a.velocity_half * (back * setup_.time_step));
+    relative.spin -= map_.wall_spin();
+    surface_speed = relative.spin * geometry.radius_a;
   } else {
-    closing -= map_.wall_velocity(bodies_[candidate.first].position);
+    const Body& b = bodies_[candidate.second];
+    relative.velocity -= velocity_of(b);
+    relative.spin -= spin_of(b);
+    surface_speed = spin_of(a) * geometry.radius_a + spin_of(b) * geometry.radius_b;
   }
-  const double overlap =
-      contact.geometry.overlap + 0.5 * setup_.time_step * dot(closing, contact.geometry.normal);
-  const Vec3& spring = contact.force.spring;
+  relative.velocity += cross(surface_speed, geometry.normal);
+  return relative;
+}
+
+// Half a step after the force evaluation: overlap and spring are carried on by half a step.
+double PlainEngine::elastic_energy(const Contact& contact) const {
+  const ContactCoefficients& law = law_of(candidates_[contact.candidate]);
+  const Vec3& n = contact.geometry.normal;
+  const double half_step = 0.5 * setup_.time_step;
+  const Vec3 velocity = relative(contact, Moment::after_kick).velocity;
+  const double approach = dot(velocity, n);
+  const double overlap = contact.geometry.overlap + half_step * approach;
+  Vec3 spring = contact.force.spring;
+  if (setup_.effects.tangential_history) spring += (velocity - n * approach) * half_step;
   return (overlap > 0 ? 0.5 * law.normal_stiffness * overlap * overlap : 0) +
          0.5 * law.tangential_stiffness * dot(spring, spring);
 }
@@ -82,32 +114,22 @@ void PlainEngine::book_step() {
 
 // What a contact takes out of the grains, by the mean relative velocity of the kick.
 void PlainEngine::book_contact(const Contact& contact, double span) {
-  const Candidate& candidate = candidates_[contact.candidate];
-  const Body& a = bodies_[candidate.first];
-  const bool b_carried = !candidate.is_wall() && bodies_[candidate.second].carried;
-  if (a.carried && (b_carried || candidate.is_wall())) return;
   const ContactGeometry& geometry = contact.geometry;
-  const ContactCoefficients& law = law_of(candidate);
-  Vec3 velocity = a.velocity_mean;
-  Vec3 spin = a.spin_mean;
-  Vec3 arms = a.spin_mean * geometry.radius_a;
-  if (candidate.is_wall()) {
-    velocity -= map_.wall_velocity(a.position - a.velocity_half * setup_.time_step);
-    spin -= map_.wall_spin();
-    arms = spin * geometry.radius_a;
-  } else {
-    const Body& b = bodies_[candidate.second];
-    velocity -= b.velocity_mean;
-    spin -= b.spin_mean;
-    arms += b.spin_mean * geometry.radius_b;
-  }
-  velocity += cross(arms, geometry.normal);
-  const Vec3 spring_force = contact.force.spring * law.tangential_stiffness;
-  const Vec3 dashpot = contact.force.tangential + spring_force;
+  const ContactCoefficients& law = law_of(candidates_[contact.candidate]);
+  const auto [velocity, spin] = relative(contact, Moment::mean_of_kick);
+  const Vec3& slip = contact.force.slip;
+  const Vec3 dashpot = contact.force.tangential + contact.force.spring * law.tangential_stiffness;
   const double damping = contact.force.normal - contact.force.elastic_normal;
-  book(EnergyChannel::normal_damping, damping * dot(geometry.normal, velocity) * span);
-  book(EnergyChannel::friction, -dot(dashpot, velocity) * span +
-                                    dot(spring_force, contact.force.slip) * (span / setup_.time_step));
+  // The spring loses what lies between its energy before and after it was shortened; the step that
+  // shortened it moved by `sliding`, half of which was still booked against the long spring.
+  const Vec3 n = geometry.normal;
+  const Vec3 sliding = (geometry.relative_velocity - n * dot(geometry.relative_velocity, n)) *
+                       setup_.time_step;
+  const double spring_loss = law.tangential_stiffness *
+                             dot(slip, contact.force.spring + (slip - sliding) * 0.5) /
+                             setup_.time_step;
+  book(EnergyChannel::normal_damping, damping * dot(n, velocity) * span);
+  book(EnergyChannel::friction, (spring_loss - dot(dashpot, velocity)) * span);
   book(EnergyChannel::rolling, -dot(contact.force.rolling_torque, spin) * span);
 }
 
@@ -118,7 +140,6 @@ void PlainEngine::book_drive(const Contact& contact, double span) {
   const Vec3 force =
       contact.geometry.normal * -contact.force.normal + contact.force.tangential;
   if (candidate.is_wall()) {
-    if (a.carried) return;
     const Vec3 centre = a.position - a.velocity_half * setup_.time_step;
     const Vec3 arm = contact.geometry.normal * contact.geometry.radius_a;
     const double power = dot(force, map_.wall_velocity(centre + arm)) +
@@ -128,7 +149,14 @@ void PlainEngine::book_drive(const Contact& contact, double span) {
   }
   const Body& b = bodies_[candidate.second];
   if (a.carried == b.carried) return;
-  const double power = a.carried ? -dot(force, a.velocity_mean) : dot(force, b.velocity_mean);
+  const Vec3& n = contact.geometry.normal;
+  const Vec3& torque = contact.force.rolling_torque;
+  const double power =
+      a.carried
+          ? -dot(force, a.velocity_mean + cross(a.spin_mean * contact.geometry.radius_a, n)) -
+                dot(torque, a.spin_mean)
+          : dot(force, b.velocity_mean - cross(b.spin_mean * contact.geometry.radius_b, n)) +
+                dot(torque, b.spin_mean);
   book(EnergyChannel::inlet, -power * span);
 }
 
@@ -139,12 +167,7 @@ void PlainEngine::update_stored() {
     ledger_.kinetic_j += kinetic_energy(body);
     ledger_.potential_j += potential_energy(body);
   }
-  for (const Contact& contact : contacts_) {
-    const Candidate& candidate = candidates_[contact.candidate];
-    const bool a_carried = bodies_[candidate.first].carried;
-    if (a_carried && (candidate.is_wall() || bodies_[candidate.second].carried)) continue;
-    ledger_.elastic_j += elastic_energy(contact);
-  }
+  for (const Contact& contact : contacts_) ledger_.elastic_j += elastic_energy(contact);
 }
 
 }  // namespace granary::dem

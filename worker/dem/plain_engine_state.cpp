@@ -18,6 +18,8 @@ Vec3 vector_at(const std::vector<double>& values, std::size_t row) {
   return {values[3 * row], values[3 * row + 1], values[3 * row + 2]};
 }
 
+constexpr std::size_t kLeaverWidth = 9;  // time, position, velocity, diameter, mass
+
 }  // namespace
 
 core::State PlainEngine::snapshot() const {
@@ -39,7 +41,18 @@ core::State PlainEngine::snapshot() const {
     pair.insert(pair.end(), {candidate.first_id, candidate.second_id});
     push(spring, candidate.spring);
   }
+  std::vector<double> leavers;
+  std::vector<std::int64_t> leaver_id;
+  for (const Leaver& leaver : leavers_) {
+    leavers.push_back(leaver.time);
+    push(leavers, leaver.position);
+    push(leavers, leaver.velocity);
+    leavers.insert(leavers.end(), {leaver.diameter, leaver.mass});
+    leaver_id.push_back(leaver.id);
+  }
   core::State state;
+  state.put("dem.leavers", "SI", leavers, kLeaverWidth);
+  state.put("dem.leaver_id", "1", leaver_id);
   state.put("dem.position_m", "m", position, 3);
   state.put("dem.velocity_half_m_per_s", "m/s", velocity, 3);
   state.put("dem.spin_half_rad_per_s", "rad/s", spin, 3);
@@ -53,6 +66,7 @@ core::State PlainEngine::snapshot() const {
   state.put_scalar("dem.step", "1", step_);
   state.put_scalar("dem.next_id", "1", next_id_);
   state.put_scalar("dem.particle_steps", "1", particle_steps_);
+  state.put_scalar("dem.contact_evaluations", "1", contact_evaluations_);
   state.put_scalar("dem.booked_steps", "1", booked_steps_);
   state.put_scalar("dem.largest_overlap_ratio", "1", largest_overlap_ratio_);
   state.put("dem.gravity_m_per_s2", "m/s2",
@@ -106,6 +120,14 @@ void PlainEngine::restore(const core::State& state) {
   }
   contacts_.clear();
   list_is_void_ = true;
+  const auto leaver_id = state.get<std::int64_t>("dem.leaver_id");
+  const auto leavers = state.get<double>("dem.leavers");
+  leavers_.clear();
+  for (std::size_t k = 0; k < leaver_id.size(); ++k) {
+    const double* row = &leavers[k * kLeaverWidth];
+    leavers_.push_back({row[0], leaver_id[k], {row[1], row[2], row[3]}, {row[4], row[5], row[6]},
+                        row[7], row[8]});
+  }
   restore_scalars(state);
 }
 
@@ -113,6 +135,7 @@ void PlainEngine::restore_scalars(const core::State& state) {
   step_ = state.get_scalar<std::uint64_t>("dem.step");
   next_id_ = state.get_scalar<std::int64_t>("dem.next_id");
   particle_steps_ = state.get_scalar<std::uint64_t>("dem.particle_steps");
+  contact_evaluations_ = state.get_scalar<std::uint64_t>("dem.contact_evaluations");
   booked_steps_ = state.get_scalar<std::uint64_t>("dem.booked_steps");
   largest_overlap_ratio_ = state.get_scalar<double>("dem.largest_overlap_ratio");
   setup_.motion.gravity = vector_at(state.get<double>("dem.gravity_m_per_s2"), 0);

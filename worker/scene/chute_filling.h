@@ -1,0 +1,22 @@
+// Settled grains at the start of a run (`initial_count`): a loose grid over the floor that falls under
+// gravity normal to the floor, in a closed chute, with strongly damped contacts. It is a run of its own,
+// so that a sweep can share it.
+#pragma once
+
+#include <vector>
+
+#include "worker/core/column.h"
+#include "worker/dem/engine.h"
+#include "worker/scene/chute_plan.h"
+
+namespace granary::scene {
+
+dem::Engine make_filling(const ChutePlan& plan);
+double filling_duration(const ChutePlan& plan);  // s
+
+// The settled bed as it is stored, and the grains it stands for (at rest, in the order of their ids).
+core::State filling_state(const dem::Engine& settled);
+// Throws std::runtime_error on a state of another scene.
+std::vector<dem::Grain> grains_of_filling(const core::State& filling, const ChutePlan& plan);
+
+}  // namespace granary::scene
