@@ -16,6 +16,7 @@
 #include "worker/run/console.h"
 #include "worker/run/engine_process.h"
 #include "worker/run/export_console.h"
+#include "worker/scene/chute.h"
 #include "worker/scene/discharge.h"
 
 namespace {
@@ -24,6 +25,7 @@ using namespace granary;
 
 std::unique_ptr<core::Simulation> make_engine(const v1::Scene& scene, const core::State* filling) {
   if (scene.has_discharge()) return scene::make_discharge(scene, filling);
+  if (scene.has_chute()) return scene::make_chute(scene, filling);
   throw std::invalid_argument("scenes of kind '" + std::string(kind_of(scene)) + "' cannot be run by this version");
 }
 
@@ -86,7 +88,7 @@ int serve(Options& options) {
     options.agent.work_dir = std::filesystem::temp_directory_path() / ("granary-work-" + std::to_string(::getuid()));
   options.agent.program = std::filesystem::read_symlink("/proc/self/exe");
   options.agent.vector_path = engine_build().vector_path;
-  options.agent.kinds = {"discharge"};
+  options.agent.kinds = {"chute", "discharge"};
   return agent::run_agent(options.agent);
 }
 
