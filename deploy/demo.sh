@@ -27,6 +27,6 @@ job=$("$bin/granary" submit "$scene")
 "$bin/granary" watch "$job"
 "$bin/granary" values "$job"
 "$bin/granary" fetch "$job" -o "$out/demo.h5"
-"$bin/granary" picture "$job" -o "$out/demo.svg"
+"$bin/granary" export "$job" --to svg -o "$out" -q >/dev/null
 echo "result file: $out/demo.h5"
-echo "picture:     $out/demo.svg"
+echo "picture:     $out/picture.svg"

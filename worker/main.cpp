@@ -44,6 +44,7 @@ struct Options {
   std::string format = "table";
   std::string verify_file;
   std::string export_file;
+  std::string export_form = "csv";
   std::string salvage_directory;
   std::string engine_directory;
   int parent = 0;
@@ -70,8 +71,11 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag("--profile", options.console.profile, "seconds per phase of a time step, on stderr");
   app.add_flag("-q,--quiet", options.console.quiet, "no progress");
   app.add_option("--verify", options.verify_file, "check a result file");
-  app.add_option("--export-csv", options.export_file, "write the tables of a result file to the folder -o")
+  app.add_option("--export", options.export_file, "write a result file in another form to the folder -o")
       ->needs("--output");
+  app.add_option("--to", options.export_form, "form of --export")
+      ->check(CLI::IsMember({"csv", "svg"}))
+      ->capture_default_str();
   app.add_option("--salvage", options.salvage_directory,
                  "make a result file (-o) of the frames in the .parts of an unfinished run")
       ->needs("--output");
@@ -97,7 +101,7 @@ int run_program(Options& options) {
     return run::run_engine_process(options.engine_directory, options.parent, engine_build());
   if (!options.verify_file.empty()) return run::verify_console(options.verify_file);
   if (!options.export_file.empty())
-    return run::export_console(options.export_file, options.console.output_file);
+    return run::export_console(options.export_file, options.export_form, options.console.output_file);
   if (!options.salvage_directory.empty())
     return run::salvage_console(options.salvage_directory, options.console.output_file);
   if (!options.agent.server.empty()) return serve(options);

@@ -47,10 +47,10 @@ std::vector<std::string> lines_of(const fs::path& path) {
 
 // Names of the files written below `directory`.
 Result<std::vector<std::string>> convert(const WorkDirectory& work, const fs::path& result,
-                                         const std::string& directory) {
+                                         const std::string& form, const std::string& directory) {
   const fs::path log = work / "log";
   auto code = session::run_child({.command = {session::program_directory() / "granary-worker",
-                                              "--export-csv", result, "-o", directory},
+                                              "--export", result, "--to", form, "-o", directory},
                                   .log_file = log});
   if (!code) return code.error();
   std::vector<std::string> lines = lines_of(log);
@@ -60,7 +60,7 @@ Result<std::vector<std::string>> convert(const WorkDirectory& work, const fs::pa
                lines.empty() ? "the export failed" : lines.back(), ""};
 }
 
-Outcome export_job(Context& context, const std::string& text) {
+Outcome export_job(Context& context, const std::string& text, const std::string& form) {
   auto job = job_name(text);
   if (!job) return job.error();
   std::string directory = context.options().output;
@@ -79,7 +79,7 @@ Outcome export_job(Context& context, const std::string& text) {
       **session, request, [](std::uint64_t, std::uint64_t) {}, interrupt);
   if (interrupt.requested()) return ExitCode::interrupted;
   if (!fetched) return fetched.error();
-  auto files = convert(**work, request.file, directory);
+  auto files = convert(**work, request.file, form, directory);
   if (!files) return files.error();
   render::Table table{{"job", "file"}, {}};
   for (const std::string& file : *files) table.rows.push_back({*job, file});
@@ -92,11 +92,14 @@ Outcome export_job(Context& context, const std::string& text) {
 void add_export(CommandLine& line) {
   auto name = std::make_shared<std::string>();
   auto form = std::make_shared<std::string>();
-  CLI::App& verb = line.verb("export", "Write a job's result as tables",
+  CLI::App& verb = line.verb("export", "Write a job's result in another form",
                              "granary export jobs/12 --to csv -o tables");
   verb.add_option("JOB", *name, "job name")->required()->type_name("");
-  verb.add_option("--to", *form, "csv")->required()->check(CLI::IsMember({"csv"}))->type_name("");
-  line.on(verb, [name](Context& context) { return export_job(context, *name); });
+  verb.add_option("--to", *form, "csv: tables; svg: one picture")
+      ->required()
+      ->check(CLI::IsMember({"csv", "svg"}))
+      ->type_name("FORM");
+  line.on(verb, [name, form](Context& context) { return export_job(context, *name, *form); });
 }
 
 }  // namespace granary::commands

@@ -4,13 +4,25 @@
 
 #include "proto/contract/result.h"
 #include "worker/storage/csv_export.h"
+#include "worker/storage/picture_export.h"
 #include "worker/storage/storage_error.h"
 
 namespace granary::run {
 
-int export_console(const std::string& input_file, const std::string& directory) {
+namespace {
+
+std::vector<storage::Path> export_as(const std::string& form, const storage::Path& input,
+                                     const storage::Path& directory) {
+  if (form == "svg") return {storage::export_picture(input, directory)};
+  return storage::export_csv(input, directory);
+}
+
+}  // namespace
+
+int export_console(const std::string& input_file, const std::string& form,
+                   const std::string& directory) {
   try {
-    for (const auto& file : storage::export_csv(input_file, directory))
+    for (const auto& file : export_as(form, input_file, directory))
       std::cout << file.string() << '\n';
     return 0;
   } catch (const storage::StorageError& error) {
