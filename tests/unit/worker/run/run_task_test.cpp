@@ -9,6 +9,7 @@
 #include "tests/support/result_reader.h"
 #include "tests/support/temporary_directory.h"
 #include "tests/support/toy_simulation.h"
+#include "worker/storage/run_bundle.h"
 #include "worker/storage/verify.h"
 
 namespace granary::run {
@@ -118,6 +119,32 @@ TEST_F(RunTask, resumed_many_times_ends_bitwise_like_an_undisturbed_run) {
     EXPECT_FALSE(a.below(part).empty()) << part;
     EXPECT_EQ(a.below(part), b.below(part)) << part;
   }
+}
+
+// Another machine gets the bundle and nothing else.
+TEST_F(RunTask, moved_to_another_directory_by_its_bundle_it_goes_on_bitwise) {
+  const TaskSpec whole = spec_of(toy_scene(), "whole");
+  const TaskOutcome expected = run(whole);
+  const TaskSpec here = spec_of(toy_scene("spin_us=300"), "here");
+  int events = 0;
+  callbacks.progress = [&](const v1::Progress&) {
+    if (++events == 2) stop = StopRequest::release;
+  };
+  ASSERT_EQ(run(here).outcome, v1::TaskFinished::RELEASED);
+  storage::FileSystem& files = storage::real_file_system();
+  storage::pack_run(files, here.work_directory, directory / "bundle");
+
+  const TaskSpec there = spec_of(toy_scene(), "there");
+  storage::unpack_run(files, directory / "bundle", there.work_directory);
+  stop = StopRequest::none;
+  callbacks = {};
+  std::string log;
+  callbacks.log = [&](std::string_view line) { log += line; };
+  const TaskOutcome outcome = run(there);
+  EXPECT_EQ(outcome.outcome, v1::TaskFinished::COMPLETE);
+  EXPECT_NE(log.find("resumed at"), std::string::npos) << log;
+  EXPECT_EQ(outcome.result.state_hash(), expected.result.state_hash());
+  EXPECT_EQ(read_result(there.result_path).below("/frames"), read_result(whole.result_path).below("/frames"));
 }
 
 TEST_F(RunTask, checkpoint_of_another_scene_is_refused_and_the_run_starts_over) {
