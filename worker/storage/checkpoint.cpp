@@ -142,12 +142,6 @@ Checkpoint read_checkpoint_file(FileSystem& files, const Path& path, const RunId
   return checkpoint;
 }
 
-std::vector<SegmentInfo> segments_of(const Bytes& file, const Path& path) {
-  ByteReader in(checked_body(file, path));
-  take_section(in, tag("IDEN"));
-  return decode_segments(take_section(in, tag("SEGM")));
-}
-
 void save_checkpoint(FileSystem& files, const Path& directory, const Checkpoint& checkpoint) {
   const Path newest = directory / kNewest;
   const Path fresh = directory / "checkpoint.new";

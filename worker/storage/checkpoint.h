@@ -36,9 +36,6 @@ void write_checkpoint_file(FileSystem& files, const Path& path, const Checkpoint
 // StorageError: missing, damaged, or foreign when `identity` differs.
 Checkpoint read_checkpoint_file(FileSystem& files, const Path& path, const RunIdentity& identity);
 
-// The segments that a checkpoint counts on, from the bytes of its file; `path` is for messages.
-std::vector<SegmentInfo> segments_of(const Bytes& file, const Path& path);
-
 void save_checkpoint(FileSystem& files, const Path& directory, const Checkpoint& checkpoint);
 
 // Tries the newest, then the one before; a checkpoint counts only when `accept` (which may restore
