@@ -21,4 +21,17 @@ class CostTimer {
   double cpu_start_s_;
 };
 
+// Adds the CPU seconds of its lifetime to a sum.
+class AddedCpuTime {
+ public:
+  explicit AddedCpuTime(double& sum_s) : sum_s_(sum_s) {}
+  AddedCpuTime(const AddedCpuTime&) = delete;
+  AddedCpuTime& operator=(const AddedCpuTime&) = delete;
+  ~AddedCpuTime() { sum_s_ += timer_.cpu_s(); }
+
+ private:
+  double& sum_s_;
+  CostTimer timer_;
+};
+
 }  // namespace granary::run

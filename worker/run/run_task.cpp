@@ -4,31 +4,20 @@
 #include <limits>
 #include <new>
 #include <stdexcept>
-#include <utility>
 
 #include "worker/run/cost_clock.h"
-#include "worker/run/frame_schedule.h"
+#include "worker/run/frame_keeper.h"
 #include "worker/run/pacing.h"
+#include "worker/run/progress_line.h"
 #include "worker/run/progress_meter.h"
 #include "worker/run/result_builder.h"
-#include "worker/run/run_record.h"
 #include "worker/run/run_storage.h"
 #include "worker/run/sentinels.h"
+#include "worker/run/watched_engine.h"
 #include "worker/storage/storage_error.h"
 
 namespace granary::run {
 namespace {
-
-// Adds its lifetime to the CPU seconds spent on output.
-class OutputTimer {
- public:
-  explicit OutputTimer(double& total_s) : total_s_(total_s) {}
-  ~OutputTimer() { total_s_ += timer_.cpu_s(); }
-
- private:
-  double& total_s_;
-  CostTimer timer_;
-};
 
 enum class Ending { finished, rejected, cancelled, released, timed_out };
 
@@ -37,16 +26,14 @@ class TaskRun {
   TaskRun(const TaskSpec& spec, const SimulationFactory& factory, const TaskCallbacks& callbacks,
           const StopSignal& stop, storage::FileSystem& files)
       : spec_(spec), factory_(factory), callbacks_(callbacks), stop_(stop), files_(files),
-        storage_(files, spec, callbacks.log),
-        schedule_(spec.scene.output()),
+        storage_(files, spec, callbacks.log), frames_(spec.scene.output(), storage_),
         checkpoints_(spec.checkpoint_interval_s, wall_now_s()),
         meter_(replicate_count(), wall_now_s()) {}
 
   TaskOutcome execute() {
-    auto resumed = storage_.resume();
-    if (resumed) resume_from(std::move(*resumed));
+    if (auto resumed = storage_.resume()) resume_from(std::move(*resumed));
     while (record_.finished.size() < replicate_count()) {
-      if (!simulation_) start_replicate();
+      if (!engine_) start_replicate();
       const Ending ending = run_replicate();
       if (ending == Ending::rejected) return unstable();
       if (ending != Ending::finished) return stopped(ending);
@@ -67,19 +54,17 @@ class TaskRun {
   void resume_from(RunStorage::Resumed resumed) {
     try {
       record_ = std::move(resumed.record);
-      schedule_.restore(record_.frames);
-      simulation_ = make_simulation(nullptr);
-      simulation_->restore(resumed.engine);
-      now_ = simulation_->progress();
-      callbacks_.log("resumed at t = " + std::to_string(now_.time_s) + " s");
-    } catch (const std::runtime_error& error) {
+      frames_.restore(record_.frames);
+      auto simulation = make_simulation(nullptr);
+      simulation->restore(resumed.engine);
+      engine_.emplace(std::move(simulation), record_.costs);
+      callbacks_.log("resumed at t = " + std::to_string(engine_->now().time_s) + " s");
+    } catch (const std::exception& error) {
       callbacks_.log(std::string("checkpoint not usable, starting over: ") + error.what());
       storage_.start_over();
       record_ = {};
-      schedule_.restore({});
-      simulation_.reset();
+      frames_.restore({});
     }
-    particle_steps_before_ = simulation_ ? now_.particle_steps : 0;
     engine_wall_before_s_ = record_.costs.engine_wall_s;
   }
 
@@ -87,12 +72,9 @@ class TaskRun {
     // A filling is of one seed: the others make their own.
     const auto filling =
         replicate() == 0 ? load_filling(files_, spec_, callbacks_.log) : std::nullopt;
-    simulation_ = make_simulation(filling ? &filling->state : nullptr);
     if (filling) record_.costs.reused_s += filling->cpu_s;
     filling_done_ = filling.has_value();
-    now_ = simulation_->progress();
-    chunk_ = {};
-    particle_steps_before_ = 0;
+    engine_.emplace(make_simulation(filling ? &filling->state : nullptr), record_.costs);
   }
 
   std::unique_ptr<core::Simulation> make_simulation(const core::State* filling) {
@@ -107,82 +89,21 @@ class TaskRun {
 
   Ending run_replicate() {
     for (;;) {
-      keep_due_frame();
-      if (rejection_) return Ending::rejected;
+      if (keeps_frames() && !frames_.keep_due(*engine_)) return Ending::rejected;
       if (const auto ending = stop_asked_for()) return *ending;
       if (checkpoints_.due(wall_now_s())) save_checkpoint();
       if (meter_.due(wall_now_s())) report_progress();
-      switch (advance_chunk()) {
+      switch (engine_->advance(limit_s())) {
         case core::AdvanceStatus::advanced: break;
         case core::AdvanceStatus::finished: return close_replicate();
         case core::AdvanceStatus::rejected: return Ending::rejected;
       }
+      keep_filling();
     }
   }
 
-  core::AdvanceStatus advance_chunk() {
-    const double limit_s =
-        keeps_frames() ? schedule_.limit_s() : std::numeric_limits<double>::infinity();
-    const CostTimer timer;
-    const core::AdvanceOutcome outcome = simulation_->advance(limit_s, chunk_.steps());
-    const std::uint64_t steps = note_chunk(timer);
-    if (outcome.status == core::AdvanceStatus::advanced && steps == 0)
-      throw std::logic_error("the engine does not advance");
-    if (outcome.status == core::AdvanceStatus::rejected) rejection_ = outcome.rejection;
-    else if (!check_energies()) return core::AdvanceStatus::rejected;
-    keep_filling();
-    return outcome.status;
-  }
-
-  // Books what the chunk cost; returns its steps.
-  std::uint64_t note_chunk(const CostTimer& timer) {
-    const double seconds = timer.wall_s();
-    record_.costs.engine_wall_s += seconds;
-    record_.costs.engine_cpu_s += timer.cpu_s();
-    const core::SimulationProgress before = std::exchange(now_, simulation_->progress());
-    if (now_.particles > 0)
-      record_.costs.contacts_per_particle_sum +=
-          static_cast<double>(now_.particle_steps - before.particle_steps) *
-          static_cast<double>(now_.contacts) / static_cast<double>(now_.particles);
-    const std::uint64_t steps = now_.steps - before.steps;
-    chunk_.note(steps, seconds);
-    return steps;
-  }
-
-  bool check_energies() {
-    if (ledger_is_finite(simulation_->ledger())) {
-      last_good_ledger_ = simulation_->ledger();
-      return true;
-    }
-    const auto where = find_non_finite(simulation_->physical_state());
-    rejection_ = rejection_of(where.value_or(NonFinite{"an energy", 0}), now_.time_s);
-    return false;
-  }
-
-  void keep_due_frame() {
-    if (!keeps_frames()) return;
-    schedule_.update(now_.time_s, now_.end_time_s);
-    if (schedule_.due(now_.time_s)) keep_frame();
-  }
-
-  void keep_frame() {
-    const OutputTimer timer(output_cpu_s_);
-    const std::vector<core::ColumnView> columns = wanted_columns(simulation_->frame());
-    if (const auto where = find_non_finite(columns)) {
-      rejection_ = rejection_of(*where, now_.time_s);
-      return;
-    }
-    storage_.append_frame({schedule_.state().next_index, now_.time_s, now_.phase, columns});
-    schedule_.taken(now_.time_s);
-  }
-
-  std::vector<core::ColumnView> wanted_columns(std::vector<core::ColumnView> columns) const {
-    const auto& fields = spec_.scene.output().fields();
-    if (!fields.empty())
-      std::erase_if(columns, [&](const core::ColumnView& column) {
-        return std::find(fields.begin(), fields.end(), column.name) == fields.end();
-      });
-    return columns;
+  double limit_s() const {
+    return keeps_frames() ? frames_.limit_s() : std::numeric_limits<double>::infinity();
   }
 
   std::optional<Ending> stop_asked_for() const {
@@ -197,62 +118,58 @@ class TaskRun {
 
   // The scenario is over: the last state is kept, and must be made of numbers.
   Ending close_replicate() {
-    keep_due_frame();
-    if (keeps_frames() && !rejection_ && schedule_.final_frame_due(now_.time_s)) keep_frame();
-    if (const auto where = find_non_finite(simulation_->physical_state()))
-      rejection_ = rejection_of(*where, now_.time_s);
-    return rejection_ ? Ending::rejected : Ending::finished;
+    keep_filling();
+    if (keeps_frames() && !frames_.keep_last(*engine_)) return Ending::rejected;
+    const bool accepted = engine_->accepts(engine_->simulation().physical_state());
+    return accepted ? Ending::finished : Ending::rejected;
   }
 
   void finish_replicate() {
     report_progress();
-    core::Observation observation = simulation_->observe();
+    core::Simulation& simulation = engine_->simulation();
+    core::Observation observation = simulation.observe();
     const auto withheld = withhold_non_finite(observation.values);
     observation.warnings.insert(observation.warnings.end(), withheld.begin(), withheld.end());
-    fold_simulation();
     record_.finished.push_back({replicate_seed(spec_.scene.seed(), replicate()),
-                                core::hash_columns(simulation_->physical_state()),
-                                observation.values, simulation_->ledger()});
+                                core::hash_columns(simulation.physical_state()),
+                                observation.values, simulation.ledger()});
     if (record_.finished.size() == 1) record_.first = std::move(observation);
-    simulation_.reset();
+    fold_engine();
   }
 
-  // Counters of a simulation that goes away are added to the task's.
-  void fold_simulation() {
-    record_.costs.steps += now_.steps;
-    record_.costs.particle_steps += now_.particle_steps;
-    particle_steps_done_ += now_.particle_steps - particle_steps_before_;
-    for (const core::PhaseSeconds& phase : simulation_->profile()) add_phase(phase);
+  // Counters of an engine that goes away are added to the task's.
+  void fold_engine() {
+    record_.costs.steps += engine_->now().steps;
+    record_.costs.particle_steps += engine_->now().particle_steps;
+    particle_steps_done_ += engine_->new_particle_steps();
+    for (const core::PhaseSeconds& phase : engine_->simulation().profile()) add_phase(phase);
+    engine_.reset();
   }
 
   void add_phase(const core::PhaseSeconds& phase) {
-    for (core::PhaseSeconds& known : profile_) {
-      if (known.phase != phase.phase) continue;
-      known.seconds += phase.seconds;
-      return;
-    }
-    profile_.push_back(phase);
+    const auto known = std::find_if(profile_.begin(), profile_.end(),
+                                    [&](const auto& other) { return other.phase == phase.phase; });
+    if (known == profile_.end()) profile_.push_back(phase);
+    else known->seconds += phase.seconds;
   }
 
   // ---- on the way
 
   void report_progress() {
-    const std::uint64_t particle_steps =
-        particle_steps_done_ + now_.particle_steps - particle_steps_before_;
-    v1::Progress progress =
-        meter_.take(now_, replicate(), wall_now_s(),
-                    record_.costs.engine_wall_s - engine_wall_before_s_, particle_steps);
-    progress.set_ledger_remainder_ratio(last_good_ledger_.remainder_ratio());
+    v1::Progress progress = meter_.take(engine_->now(), replicate(), wall_now_s(),
+                                        record_.costs.engine_wall_s - engine_wall_before_s_,
+                                        particle_steps_done_ + engine_->new_particle_steps());
+    progress.set_ledger_remainder_ratio(engine_->last_good_ledger().remainder_ratio());
     callbacks_.progress(progress);
   }
 
   void save_checkpoint() {
-    const OutputTimer output(output_cpu_s_);
+    const AddedCpuTime output(output_cpu_s_);
     const CostTimer timer;
     RunRecord record = record_;
-    record.frames = schedule_.state();
+    record.frames = frames_.state();
     record.costs = costs_so_far();
-    storage_.save(record, simulation_->snapshot());
+    storage_.save(record, engine_->simulation().snapshot());
     checkpoints_.note(wall_now_s(), timer.wall_s());
   }
 
@@ -260,7 +177,7 @@ class TaskRun {
     if (filling_done_ || replicate() > 0 || spec_.filling_key.empty() ||
         spec_.filling_output.empty())
       return;
-    const auto filling = simulation_->stored_filling();
+    const auto filling = engine_->simulation().stored_filling();
     if (!filling) return;
     save_filling(files_, spec_, {*filling, costs_so_far().cpu_s});
     filling_done_ = true;
@@ -288,9 +205,9 @@ class TaskRun {
   TaskOutcome unstable() {
     RunReport report;
     report.state = "unstable";
-    report.message = describe(rejection_.value_or(core::Rejection{}));
-    report.ledger = last_good_ledger_;
-    fold_simulation();
+    report.message = describe(*engine_->rejection());
+    report.ledger = engine_->last_good_ledger();
+    fold_engine();
     TaskOutcome outcome = publish(report, v1::TaskFinished::UNSTABLE);
     outcome.message = report.message;
     return outcome;
@@ -302,11 +219,11 @@ class TaskRun {
     outcome.outcome = how;
     outcome.result = result_message(spec_, record_, report);
     if (storage_.active()) {
-      const OutputTimer output(output_cpu_s_);
+      const AddedCpuTime output(output_cpu_s_);
       storage_.publish(result_content(spec_, record_, report, outcome.result));
       outcome.published = true;
     }
-    add_phase({"output", output_cpu_s_});
+    add_phase({"output", output_cpu_s_ + frames_.output_cpu_s()});
     outcome.profile = profile_;
     return outcome;
   }
@@ -321,7 +238,7 @@ class TaskRun {
         break;
       case Ending::timed_out:
         outcome.outcome = v1::TaskFinished::TIMED_OUT;
-        outcome.message = "time limit of " + std::to_string(spec_.time_limit_s) + " s reached";
+        outcome.message = "time limit of " + duration_text(spec_.time_limit_s) + " reached";
         break;
       default:
         outcome.outcome = v1::TaskFinished::CANCELLED;
@@ -338,21 +255,16 @@ class TaskRun {
 
   CostTimer timer_;  // of this attempt
   RunStorage storage_;
-  FrameSchedule schedule_;
-  ChunkPacer chunk_;
+  FrameKeeper frames_;
   CheckpointPacer checkpoints_;
   ProgressMeter meter_;
 
   RunRecord record_;
-  std::unique_ptr<core::Simulation> simulation_;
-  core::SimulationProgress now_;  // of simulation_; asking is not free
-  std::optional<core::Rejection> rejection_;
-  core::EnergyLedger last_good_ledger_;
+  std::optional<WatchedEngine> engine_;  // of the replicate that is running
   bool filling_done_ = false;
-  std::uint64_t particle_steps_done_ = 0;    // in this attempt, replicates before this one
-  std::uint64_t particle_steps_before_ = 0;  // of this replicate, in earlier attempts
-  double engine_wall_before_s_ = 0;          // in earlier attempts
-  double output_cpu_s_ = 0;  // frames, checkpoints and the result file, in this attempt
+  std::uint64_t particle_steps_done_ = 0;  // in this attempt, by replicates before this one
+  double engine_wall_before_s_ = 0;        // in earlier attempts
+  double output_cpu_s_ = 0;                // of checkpoints and the result file, in this attempt
   std::vector<core::PhaseSeconds> profile_;
 };
 

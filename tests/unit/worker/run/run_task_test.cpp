@@ -120,6 +120,34 @@ TEST_F(RunTask, resumed_many_times_ends_bitwise_like_an_undisturbed_run) {
   }
 }
 
+// Another machine gets the checkpoint and the sealed segments, and nothing else.
+TEST_F(RunTask, goes_on_bitwise_where_its_checkpoint_and_segments_are_taken_to) {
+  const TaskSpec whole = spec_of(toy_scene(), "whole");
+  const TaskOutcome expected = run(whole);
+  const TaskSpec here = spec_of(toy_scene("spin_us=300"), "here");
+  int events = 0;
+  callbacks.progress = [&](const v1::Progress&) {
+    if (++events == 2) stop = StopRequest::release;
+  };
+  ASSERT_EQ(run(here).outcome, v1::TaskFinished::RELEASED);
+  const TaskSpec there = spec_of(toy_scene(), "there");
+  std::filesystem::create_directory(there.work_directory);
+  for (const auto& file : std::filesystem::directory_iterator(here.work_directory))
+    if (const auto name = file.path().filename(); !name.has_extension())
+      std::filesystem::copy(file.path(), there.work_directory / name);
+  std::filesystem::remove_all(here.work_directory);
+
+  stop = StopRequest::none;
+  callbacks = {};
+  std::string log;
+  callbacks.log = [&](std::string_view line) { log += line; };
+  const TaskOutcome outcome = run(there);
+  EXPECT_EQ(outcome.outcome, v1::TaskFinished::COMPLETE);
+  EXPECT_NE(log.find("resumed at"), std::string::npos) << log;
+  EXPECT_EQ(outcome.result.state_hash(), expected.result.state_hash());
+  EXPECT_EQ(read_result(there.result_path).below("/frames"), read_result(whole.result_path).below("/frames"));
+}
+
 TEST_F(RunTask, checkpoint_of_another_scene_is_refused_and_the_run_starts_over) {
   const std::string hash = run(spec_of(toy_scene(), "clean")).result.state_hash();
   TaskSpec other = spec_of(toy_scene("spin_us=50"));
