@@ -1,6 +1,7 @@
 #include "client/session/connection.h"
 
 #include <google/protobuf/wrappers.pb.h>
+#include <grpc/grpc.h>
 #include <grpcpp/generic/generic_stub.h>
 
 #include <future>
@@ -17,6 +18,15 @@ constexpr int kLargestMessage_bytes = 64 << 20;  // logs and lists of many jobs
 using HealthRequest = google::protobuf::StringValue;
 using HealthResponse = google::protobuf::Int32Value;
 constexpr int kServing = 1;
+
+// Keeps gRPC initialised until the process ends. Shutting it down with the last channel can take ten
+// seconds: a helper that polls for a blocked write (a large batch) is waited for.
+void keep_grpc_running() {
+  [[maybe_unused]] static const bool started = [] {
+    grpc_init();
+    return true;
+  }();
+}
 
 std::shared_ptr<grpc::Channel> make_channel(const Endpoint& endpoint) {
   grpc::ChannelArguments arguments;
@@ -69,6 +79,7 @@ Connection::Connection(const Endpoint& endpoint, std::shared_ptr<grpc::Channel> 
 
 Result<std::shared_ptr<Connection>> Connection::open(const Endpoint& endpoint,
                                                      std::chrono::milliseconds timeout) {
+  keep_grpc_running();
   auto channel = make_channel(endpoint);
   if (!becomes_ready(*channel, std::chrono::system_clock::now() + timeout))
     return Error{ErrorCode::unavailable, "no server answers at " + endpoint.address, ""};

@@ -75,9 +75,13 @@ Status DataDirectory::write_server_address(const std::string& address) const {
   return Done{};
 }
 
-void DataDirectory::forget_server_address() const {
+void DataDirectory::forget_server() const {
   std::error_code failure;
   fs::remove(address_file(), failure);
+  const fs::path socket = socket_path(path_, getuid());
+  if (socket.parent_path() == path_) return;
+  fs::remove(socket, failure);
+  fs::remove(socket.parent_path(), failure);
 }
 
 }  // namespace granary::session

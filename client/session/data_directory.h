@@ -26,7 +26,8 @@ class DataDirectory {
   // Where the server of this directory listens: what its supervisor wrote down, else the socket.
   std::string server_address() const;
   Status write_server_address(const std::string& address) const;
-  void forget_server_address() const;
+  // After the server has left: its address, and the short socket directory.
+  void forget_server() const;
 
   // unix:PATH of the socket of this directory. sun_path holds 107 characters: the socket of a
   // directory with a longer name lies in /tmp/granary-UID-HASH, which is ours alone (0700).

@@ -25,9 +25,11 @@ class Session::Link {
   const Notice& notice() const { return notice_; }
   double jitter() { return std::uniform_real_distribution<double>(0, 1)(random_); }
 
+  bool names_server() const { return settings_.names_server(); }
+
   // After UNAVAILABLE. A named server's channel reconnects by itself; the private one may have left
   // for good, so it is looked for, and started, again.
-  Status renew() { return settings_.names_server() ? Status(Done{}) : connect(); }
+  Status renew() { return names_server() ? Status(Done{}) : connect(); }
 
   // `invoke(connection, context, response)` until it gives something else than UNAVAILABLE (repeated
   // for about ten seconds) or a full queue's retry delay.
@@ -36,6 +38,8 @@ class Session::Link {
 
  private:
   Result<Endpoint> named_endpoint() const;
+  Result<std::shared_ptr<Connection>> connect_named() const;
+  Result<std::shared_ptr<Connection>> connect_private() const;
 
   Settings settings_;
   Notice notice_;

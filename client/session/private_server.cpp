@@ -7,7 +7,6 @@
 #include <thread>
 
 #include "client/session/child_process.h"
-#include "client/session/connection.h"
 #include "client/session/data_directory.h"
 #include "client/session/file_lock.h"
 
@@ -19,6 +18,7 @@ using Clock = std::chrono::steady_clock;
 // Opening a large database after a crash takes longest.
 constexpr std::chrono::seconds kStartTimeout{30};
 constexpr std::chrono::milliseconds kPollInterval{20};
+constexpr std::chrono::milliseconds kProbeTimeout{500};
 
 std::string last_line_of(const std::filesystem::path& path) {
   std::ifstream file(path);
@@ -45,11 +45,11 @@ Result<pid_t> start_supervisor(const DataDirectory& directory, const Settings& s
                       .detached = true});
 }
 
-Result<std::string> wait_until_serving(const DataDirectory& directory, pid_t supervisor) {
+Result<std::shared_ptr<Connection>> wait_until_serving(const DataDirectory& directory, pid_t supervisor) {
   const auto deadline = Clock::now() + kStartTimeout;
   while (Clock::now() < deadline) {
-    const std::string address = directory.server_address();
-    if (is_serving(address, 0.5)) return address;
+    if (auto connection = serving_connection(directory.server_address(), kProbeTimeout))
+      return connection;
     if (waitpid(supervisor, nullptr, WNOHANG) == supervisor)
       return start_failure(directory, "stopped while starting");
     std::this_thread::sleep_for(kPollInterval);
@@ -59,21 +59,21 @@ Result<std::string> wait_until_serving(const DataDirectory& directory, pid_t sup
 
 }  // namespace
 
-bool is_serving(const std::string& address, double timeout_s) {
-  const auto timeout =
-      std::chrono::milliseconds(static_cast<std::int64_t>(std::max(timeout_s, 0.01) * 1000));
+std::shared_ptr<Connection> serving_connection(const std::string& address,
+                                               std::chrono::milliseconds timeout) {
   const auto connection = Connection::open({address, "", ""}, timeout);
-  return connection && (*connection)->check_health(timeout);
+  return connection && (*connection)->check_health(timeout) ? *connection : nullptr;
 }
 
-Result<std::string> ensure_private_server(const Settings& settings,
-                                          const std::function<void(std::string_view)>& notice) {
+Result<std::shared_ptr<Connection>> join_private_server(
+    const Settings& settings, const std::function<void(std::string_view)>& notice) {
   auto directory = DataDirectory::open(settings[SettingKey::data].value);
   if (!directory) return directory.error();
   if (auto socket = directory->socket_address(); !socket) return socket.error();
   const auto lock = FileLock::wait(directory->start_lock());
   if (!lock) return lock.error();
-  if (std::string address = directory->server_address(); is_serving(address, 2)) return address;
+  if (auto running = serving_connection(directory->server_address(), kConnectTimeout))
+    return running;
   notice("starting the private server of " + directory->path().string());
   const auto supervisor = start_supervisor(*directory, settings);
   if (!supervisor) return supervisor.error();

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 
+#include "client/session/connection.h"
 #include "client/session/settings.h"
 #include "proto/contract/result.h"
 
@@ -13,13 +15,14 @@ namespace granary::session {
 // Seconds after its last use at which the private server leaves.
 inline constexpr int kPrivateIdleExit_s = 60;
 
-// Address of a serving server of the data directory of `settings`. Clients that call this at once
+// A connection to a serving server of the data directory of `settings`. Clients that call this at once
 // take turns by a lock, so one starts it and the others join. UNAVAILABLE with the end of its log
 // when it does not come up.
-Result<std::string> ensure_private_server(const Settings& settings,
-                                          const std::function<void(std::string_view)>& notice);
+Result<std::shared_ptr<Connection>> join_private_server(
+    const Settings& settings, const std::function<void(std::string_view)>& notice);
 
-// SERVING within `timeout_s`?
-bool is_serving(const std::string& address, double timeout_s);
+// A connection when a server at `address` says SERVING within the timeout, else null.
+std::shared_ptr<Connection> serving_connection(const std::string& address,
+                                               std::chrono::milliseconds timeout);
 
 }  // namespace granary::session

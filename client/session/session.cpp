@@ -76,21 +76,21 @@ Result<Endpoint> Session::Link::named_endpoint() const {
 }
 
 Status Session::Link::connect() {
-  Endpoint endpoint;
-  if (settings_.names_server()) {
-    auto named = named_endpoint();
-    if (!named) return named.error();
-    endpoint = *named;
-  } else {
-    auto address = ensure_private_server(
-        settings_, [this](std::string_view text) { notice_(NoticeLevel::detail, text); });
-    if (!address) return address.error();
-    endpoint.address = *address;
-  }
-  auto connection = Connection::open(endpoint, kConnectTimeout);
+  auto connection = settings_.names_server() ? connect_named() : connect_private();
   if (!connection) return connection.error();
   connection_ = *connection;
   return Done{};
+}
+
+Result<std::shared_ptr<Connection>> Session::Link::connect_named() const {
+  auto endpoint = named_endpoint();
+  if (!endpoint) return endpoint.error();
+  return Connection::open(*endpoint, kConnectTimeout);
+}
+
+Result<std::shared_ptr<Connection>> Session::Link::connect_private() const {
+  return join_private_server(settings_,
+                             [this](std::string_view text) { notice_(NoticeLevel::detail, text); });
 }
 
 Session::Session(std::unique_ptr<Link> link) : link_(std::move(link)) {}
@@ -202,6 +202,13 @@ Result<v1::GetServerInfoResponse> Session::server_info() {
       });
 }
 
-Status Session::health() { return link_->connection().check_health(std::chrono::seconds(2)); }
+Status Session::health() {
+  constexpr std::chrono::seconds kTimeout{2};
+  Status serving = link_->connection().check_health(kTimeout);
+  if (serving || link_->names_server()) return serving;
+  // The private one was just leaving.
+  if (auto renewed = link_->renew(); !renewed) return renewed;
+  return link_->connection().check_health(kTimeout);
+}
 
 }  // namespace granary::session

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::chrono::seconds kServerStart{30};
 constexpr std::chrono::milliseconds kStartPoll{50};
+constexpr std::chrono::milliseconds kProbeTimeout{500};
 constexpr std::chrono::hours kIdle{1};
 // A worker checkpoints and hands back its task; the server then only closes its database.
 constexpr std::chrono::seconds kWorkerGrace{30};
@@ -65,7 +66,7 @@ Status Supervisor::run(const std::function<void(const std::string&)>& on_ready) 
     supervise();
   }
   drain();
-  directory_.forget_server_address();
+  directory_.forget_server();
   return served;
 }
 
@@ -106,7 +107,7 @@ Status Supervisor::start(Child& child) {
 Status Supervisor::start_server() {
   if (auto started = start(server_); !started) return started.error();
   const auto deadline = Clock::now() + kServerStart;
-  while (!is_serving(address_, 0.5)) {
+  while (!serving_connection(address_, kProbeTimeout)) {
     const int signal = next_signal(Clock::now() + kStartPoll);
     if (signal == SIGCHLD) reap();
     if (server_.pid < 0)

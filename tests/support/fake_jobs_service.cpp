@@ -1,5 +1,6 @@
 #include "tests/support/fake_jobs_service.h"
 
+#include <grpc/grpc.h>
 #include <grpcpp/health_check_service_interface.h>
 
 #include <algorithm>
@@ -257,6 +258,12 @@ FakeServer::FakeServer(const std::string& directory)
 FakeServer::~FakeServer() { stop(); }
 
 void FakeServer::start() {
+  // Never shut down: that can wait ten seconds for a helper that polls for a blocked write.
+  static const bool initialised = [] {
+    grpc_init();
+    return true;
+  }();
+  (void)initialised;
   grpc::EnableDefaultHealthCheckService(true);
   grpc::ServerBuilder builder;
   builder.AddListeningPort(address_, grpc::InsecureServerCredentials());

@@ -45,7 +45,7 @@ TEST(DataDirectory, remembers_where_its_server_listens) {
   EXPECT_EQ(directory->server_address(), "unix:" + scratch.file("granaryd.sock"));
   ASSERT_TRUE(directory->write_server_address("127.0.0.1:7443").ok());
   EXPECT_EQ(directory->server_address(), "127.0.0.1:7443");
-  directory->forget_server_address();
+  directory->forget_server();
   EXPECT_EQ(directory->server_address(), "unix:" + scratch.file("granaryd.sock"));
 }
 
