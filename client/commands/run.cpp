@@ -14,15 +14,7 @@ Outcome run_scene(Context& context, const SubmissionOptions& options) {
   std::vector<v1::Job> ended;
   const Outcome outcome = follow_jobs(context, *names, EventOutput::display, ended);
   if (!outcome || *outcome == ExitCode::interrupted) return outcome;
-  auto session = context.session();
-  if (!session) return session.error();
-  std::vector<v1::GetValuesResponse> responses;
-  for (const std::string& name : *names) {
-    auto values = (*session)->values(name);
-    if (!values) return values.error();
-    responses.push_back(*values);
-  }
-  if (auto written = write_values(context, responses); !written) return written.error();
+  if (auto written = write_values_of(context, *names); !written) return written.error();
   return outcome;
 }
 

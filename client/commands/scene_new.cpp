@@ -1,6 +1,7 @@
 // granary scene new: a commented starting scene. The comments (meaning, range, default) come from the
 // contract's rules, so they never differ from what validation says.
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 #include <vector>
 
@@ -144,6 +145,9 @@ void add_scene(CommandLine& line) {
       ->check(CLI::IsMember({"discharge", "chute"}))
       ->type_name("");
   line.on(verb, [kind](Context& context) -> Outcome {
+    const std::string& file = context.options().output;
+    if (std::filesystem::exists(file))
+      return Error{ErrorCode::failed_precondition, file + " exists already", ""};
     const auto plain = *kind == "chute" ? kChute : kDischarge;
     if (auto written = context.write(scene_template(plain)); !written) return written.error();
     return ExitCode::ok;

@@ -18,18 +18,6 @@ Status write_names(Context& context, const std::vector<std::string>& names) {
   return context.write(text);
 }
 
-Status write_all_values(Context& context, const std::vector<std::string>& names) {
-  auto session = context.session();
-  if (!session) return session.error();
-  std::vector<v1::GetValuesResponse> responses;
-  for (const std::string& name : names) {
-    auto values = (*session)->values(name);
-    if (!values) return values.error();
-    responses.push_back(*values);
-  }
-  return write_values(context, responses);
-}
-
 Outcome submit(Context& context, const SubmissionOptions& options, bool wait) {
   auto names = submit_scenes(context, options);
   if (!names) return names.error();
@@ -41,7 +29,7 @@ Outcome submit(Context& context, const SubmissionOptions& options, bool wait) {
   std::vector<v1::Job> ended;
   const Outcome outcome = follow_jobs(context, *names, EventOutput::display, ended);
   if (!outcome || *outcome == ExitCode::interrupted || !values_follow) return outcome;
-  if (auto written = write_all_values(context, *names); !written) return written.error();
+  if (auto written = write_values_of(context, *names); !written) return written.error();
   return outcome;
 }
 

@@ -40,4 +40,16 @@ Status write_values(Context& context, const std::vector<v1::GetValuesResponse>& 
   return context.write_rows(table, render::JsonShape::lines);
 }
 
+Status write_values_of(Context& context, const std::vector<std::string>& names) {
+  auto session = context.session();
+  if (!session) return session.error();
+  std::vector<v1::GetValuesResponse> responses;
+  for (const std::string& name : names) {
+    auto values = (*session)->values(name);
+    if (!values) return values.error();
+    responses.push_back(*values);
+  }
+  return write_values(context, responses);
+}
+
 }  // namespace granary::commands

@@ -12,4 +12,7 @@ namespace granary::commands {
 // json: the contract's one line per job. table and csv: a row per observable.
 Status write_values(Context& context, const std::vector<v1::GetValuesResponse>& responses);
 
+// The same for jobs by name.
+Status write_values_of(Context& context, const std::vector<std::string>& names);
+
 }  // namespace granary::commands

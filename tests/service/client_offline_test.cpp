@@ -77,6 +77,16 @@ TEST_F(ClientOffline, new_scenes_are_valid_and_their_comments_give_ranges) {
   }
 }
 
+TEST_F(ClientOffline, new_scene_never_replaces_a_file) {
+  const std::string file = scratch_.file("new.txtpb");
+  EXPECT_EQ(granary({"scene", "new", "chute", "-o", file}).exit_code, 0);
+  const std::string before = file_text(file);
+  const Outputs again = granary({"scene", "new", "discharge", "-o", file});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.err, IsOneErrorLine());
+  EXPECT_EQ(file_text(file), before);
+}
+
 TEST_F(ClientOffline, every_commented_out_field_of_a_new_scene_is_a_real_one) {
   for (const char* kind : {"discharge", "chute"}) {
     std::string text = granary({"scene", "new", kind}).out;
