@@ -6,9 +6,12 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
+#include <fstream>
 #include <thread>
 
 #include "proto/contract/version.h"
+#include "server/ops/access.h"
 #include "server/ops/server.h"
 
 namespace {
@@ -24,6 +27,31 @@ std::filesystem::path default_data() {
     return std::filesystem::path(data) / "granary";
   const char* home = std::getenv("HOME");
   return std::filesystem::path(home ? home : ".") / ".local/share/granary";
+}
+
+struct TokenRequest {
+  std::string file, role, owner;
+  int days = 0;
+};
+
+int add_token(const TokenRequest& request) {
+  using namespace granary::server;
+  const auto role = role_from(request.role);
+  if (!role || request.owner.empty() || request.owner.find_first_of(" \t\n#") != std::string::npos) {
+    std::fprintf(stderr, "granaryd: --role must be read, submit, worker or admin; --owner one word\n");
+    return 2;
+  }
+  TokenOwner owner{*role, request.owner, 0};
+  if (request.days > 0) owner.expires_s = std::time(nullptr) + 86'400LL * request.days;
+  const NewToken made = make_token(owner);
+  std::ofstream file(request.file, std::ios::app);
+  file << made.line << '\n';
+  if (!file.flush()) {
+    std::fprintf(stderr, "granaryd: cannot write %s\n", request.file.c_str());
+    return 2;
+  }
+  std::printf("%s\n", made.token.c_str());
+  return 0;
 }
 
 }  // namespace
@@ -43,6 +71,15 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--idle-exit", config.idle_exit_s,
                  "leave after this many seconds without use; 0 = stay");
+  app.add_option("--tls-cert", config.access.tls_certificate, "certificate chain (PEM, with subjectAltName)");
+  app.add_option("--tls-key", config.access.tls_key, "its private key (PEM)");
+  app.add_option("--tokens", config.access.tokens, "file of access tokens; made by `granaryd token`");
+  auto& token = *app.add_subcommand("token", "add a token to a file and print it; only its hash is kept");
+  TokenRequest request;
+  token.add_option("--tokens", request.file, "file of access tokens")->required();
+  token.add_option("--role", request.role, "read, submit, worker or admin")->required();
+  token.add_option("--owner", request.owner, "name shown on jobs")->required();
+  token.add_option("--days", request.days, "days until it expires; 0 = never");
   app.add_option("--log-level", log_level, "debug, info, warn, error")
       ->envname("GRANARY_LOG_LEVEL");
   app.set_version_flag("--version", std::string("granaryd ") + granary::kProductVersion);
@@ -50,6 +87,11 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (token.parsed()) return add_token(request);
+  if (config.access.tls_certificate.empty() != config.access.tls_key.empty()) {
+    std::fprintf(stderr, "granaryd: --tls-cert and --tls-key go together\n");
+    return 2;
   }
   spdlog::set_default_logger(spdlog::stderr_logger_mt("granaryd"));
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z level=%l %v");

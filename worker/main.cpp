@@ -56,6 +56,10 @@ void declare(CLI::App& app, Options& options) {
   app.set_version_flag("--version", std::string("granary-worker ") + kProductVersion + ", engine " +
                                         kEngineVersion);
   app.add_option("--server", options.agent.server, "work for this server: unix:PATH or HOST:PORT");
+  app.add_option("--token-file", options.agent.token_file, "file that holds the access token")
+      ->envname("GRANARY_TOKEN_FILE");
+  app.add_option("--tls-ca", options.agent.tls_ca, "certificate authority (PEM): the server speaks TLS")
+      ->envname("GRANARY_TLS_CA");
   app.add_option("--slots", options.agent.slots, "tasks at a time")->check(CLI::Range(1, 1024))->capture_default_str();
   app.add_option("--work-dir", options.agent.work_dir, "folder for running tasks (default: a temporary one)");
   app.add_option("--log-level", options.log_level, "debug, info, warn, error")->envname("GRANARY_LOG_LEVEL");

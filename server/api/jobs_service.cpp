@@ -38,7 +38,13 @@ Status fill(const Result<JobRecord>& job, v1::Job* response) {
   return Done{};
 }
 
-Result<Submission> read_submission(const v1::SubmitJobsRequest& request) {
+// Who holds the token of this call; without tokens everybody on this machine is "local".
+std::string owner_of(const grpc::CallbackServerContext& context) {
+  const auto names = context.auth_context()->FindPropertyValues("granary-owner");
+  return names.empty() ? "local" : std::string(names[0].data(), names[0].size());
+}
+
+Result<Submission> read_submission(const v1::SubmitJobsRequest& request, const std::string& owner) {
   if (request.items_size() == 0)
     return Error{ErrorCode::invalid_argument, "items is empty: nothing to submit", "items"};
   if (request.items_size() > kMaxBatch)
@@ -47,7 +53,7 @@ Result<Submission> read_submission(const v1::SubmitJobsRequest& request) {
   Submission submission;
   submission.request_id = request.request_id();
   for (int i = 0; i < request.items_size(); ++i) {
-    auto job = to_new_job(request.items(i), "local");
+    auto job = to_new_job(request.items(i), owner);
     if (!job) {
       const std::string prefix =
           request.items_size() > 1 ? "items[" + std::to_string(i) + "]: " : "";
@@ -63,7 +69,7 @@ Result<Submission> read_submission(const v1::SubmitJobsRequest& request) {
 grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* context,
                                               const v1::SubmitJobsRequest* request,
                                               v1::SubmitJobsResponse* response) {
-  auto submission = read_submission(*request);  // parsing and resolving stay off the owner thread
+  auto submission = read_submission(*request, owner_of(*context));  // parsing and resolving stay off the owner thread
   if (!submission) return refuse(context, submission.error());
   return answer_on_owner(backend_, context,
                          [this, response, submission = std::move(*submission)]() -> Status {

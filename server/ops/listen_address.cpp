@@ -23,7 +23,7 @@ Error refuse(const std::string& address, const std::string& why) {
 
 }  // namespace
 
-Status check_listen_address(const std::string& address) {
+Status check_listen_address(const std::string& address, bool is_guarded) {
   if (address.rfind("unix:", 0) == 0) {
     if (address.size() - 5 > kMaxSocketPath)
       return refuse(
@@ -33,7 +33,7 @@ Status check_listen_address(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   if (colon == std::string::npos || !is_port(std::string_view(address).substr(colon + 1)))
     return refuse(address, "must be unix:PATH or HOST:PORT");
-  if (!is_loopback(std::string_view(address).substr(0, colon)))
+  if (!is_guarded && !is_loopback(std::string_view(address).substr(0, colon)))
     return refuse(
         address,
         "is not a loopback address, which needs TLS and a token; use 127.0.0.1:PORT or unix:PATH");

@@ -43,7 +43,9 @@ class RunningServer : public Server {
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
     grpc::ServerBuilder builder;
     int port = 0;
-    builder.AddListeningPort(config_.listen, grpc::InsecureServerCredentials(), &port);
+    auto credentials = make_credentials(config_.access, config_.listen);
+    if (!credentials) return credentials.error();
+    builder.AddListeningPort(config_.listen, *credentials, &port);
     builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
     // A second server on the same port must fail, not share it.
     builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
@@ -133,7 +135,7 @@ class RunningServer : public Server {
 }  // namespace
 
 Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
-  if (Status status = check_listen_address(config.listen); !status) return status.error();
+  if (Status status = check_listen_address(config.listen, config.access.has_tls() && config.access.has_tokens()); !status) return status.error();
   std::error_code error;
   std::filesystem::create_directories(config.data, error);
   std::filesystem::permissions(config.data, std::filesystem::perms::owner_all, error);

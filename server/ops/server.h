@@ -6,6 +6,7 @@
 #include <string>
 
 #include "proto/contract/result.h"
+#include "server/ops/credentials.h"
 
 namespace granary::server {
 
@@ -13,6 +14,7 @@ struct ServerConfig {
   std::filesystem::path data;
   std::string listen;      // check_listen_address()
   double idle_exit_s = 0;  // 0 = stay
+  AccessConfig access;
 };
 
 class Server {

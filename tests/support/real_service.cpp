@@ -72,11 +72,11 @@ void RealService::kill_server() {
   server->wait();
 }
 
-Program& RealService::start_worker(int slots) {
+Program& RealService::start_worker(int slots, const std::map<std::string, std::string>& environment) {
   workers.push_back(std::make_unique<Program>(
       ProgramOptions{.command = {GRANARY_BIN "/granary-worker", "--server", address, "--slots",
                                  std::to_string(slots), "--work-dir", scratch.file("work")},
-                     .environment = {},
+                     .environment = environment,
                      .input = "",
                      .on_terminal = false}));
   EXPECT_TRUE(workers.back()->prints("event=connected")) << workers.back()->err();

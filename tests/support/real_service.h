@@ -30,7 +30,7 @@ class RealService : public testing::Test {
 
   void start_server();
   void kill_server();
-  Program& start_worker(int slots = 1);
+  Program& start_worker(int slots = 1, const std::map<std::string, std::string>& environment = {});
 
   // The client against this server.
   Outputs granary(std::vector<std::string> arguments, const std::string& input = "");

@@ -45,11 +45,12 @@ std::string new_worker_id() {
 
 class Agent {
  public:
-  explicit Agent(const AgentConfig& config)
+  Agent(const AgentConfig& config, const ServerAccess& access)
       : config_(config),
         folder_(config.work_dir / ("worker-" + std::to_string(::getpid()))),
         worker_id_(new_worker_id()),
-        link_(open_channel(config.server),
+        server_(access),
+        link_(server_,
               {[this] { return hello(); }, [this](const auto& m) { receive(m); }}) {
     sweep_dead_workers();
     std::filesystem::create_directories(folder_);
@@ -110,7 +111,7 @@ class Agent {
     spdlog::info("event=assigned task={} job={} attempt={}", assignment.task(), assignment.job(),
                  assignment.attempt());
     const std::string number = assignment.task().substr(assignment.task().find('/') + 1);
-    TaskEnvironment environment{config_.program, folder_ / ("task-" + number), link_.stub(),
+    TaskEnvironment environment{config_.program, folder_ / ("task-" + number), server_,
                                 [this](const v1::WorkerMessage& message) { link_.send(message); },
                                 [this](const std::string& task) { retire(task); }};
     std::lock_guard lock(mutex_);
@@ -197,6 +198,7 @@ class Agent {
   bool draining_ = false;
   bool ended_ = false;
   std::chrono::steady_clock::time_point drain_until_;
+  ServerPeer server_;
   ServerLink link_;
 };
 
@@ -206,7 +208,12 @@ int run_agent(const AgentConfig& config) {
   std::signal(SIGTERM, on_stop);
   std::signal(SIGINT, on_stop);
   std::signal(SIGPIPE, SIG_IGN);
-  return Agent(config).run();
+  auto access = read_access(config.server, config.tls_ca, config.token_file);
+  if (!access) {
+    spdlog::error("{}", access.error().message);
+    return 2;
+  }
+  return Agent(config, *access).run();
 }
 
 }  // namespace granary::agent

@@ -9,6 +9,8 @@ namespace granary::agent {
 
 struct AgentConfig {
   std::string server;  // "unix:PATH" or "HOST:PORT"
+  std::filesystem::path token_file; // empty: none
+  std::filesystem::path tls_ca;     // certificate authority (PEM); empty: no TLS
   unsigned slots = 1;
   std::filesystem::path work_dir;  // made if missing; one folder per running task
   std::filesystem::path program;   // started again as the engine

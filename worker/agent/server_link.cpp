@@ -8,18 +8,18 @@
 
 namespace granary::agent {
 
-std::shared_ptr<grpc::Channel> open_channel(const std::string& server) {
-  grpc::ChannelArguments arguments;
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);
-  arguments.SetMaxReceiveMessageSize(64 << 20);
-  return grpc::CreateCustomChannel(server, grpc::InsecureChannelCredentials(), arguments);
+namespace {
+
+// Trying again would be refused again.
+bool is_final(grpc::StatusCode code) {
+  return code == grpc::StatusCode::FAILED_PRECONDITION || code == grpc::StatusCode::UNAUTHENTICATED ||
+         code == grpc::StatusCode::PERMISSION_DENIED;
 }
 
-ServerLink::ServerLink(std::shared_ptr<grpc::Channel> channel, Callbacks callbacks)
-    : callbacks_(std::move(callbacks)), stub_(v1::Workers::NewStub(channel)) {}
+}  // namespace
+
+ServerLink::ServerLink(const ServerPeer& server, Callbacks callbacks)
+    : callbacks_(std::move(callbacks)), server_(server) {}
 
 bool ServerLink::run() {
   double wait_s = 0.1;
@@ -27,7 +27,7 @@ bool ServerLink::run() {
     welcomed_ = false;
     const grpc::Status status = run_stream();
     if (stopping_) break;
-    if (status.error_code() == grpc::StatusCode::FAILED_PRECONDITION) {
+    if (is_final(status.error_code())) {
       spdlog::error("event=refused reason=\"{}\"", status.error_message());
       return false;
     }
@@ -41,8 +41,8 @@ bool ServerLink::run() {
 }
 
 grpc::Status ServerLink::run_stream() {
-  auto context = std::make_shared<grpc::ClientContext>();
-  std::unique_ptr<Stream> stream = stub_->Synchronize(context.get());
+  auto context = server_.context();
+  std::unique_ptr<Stream> stream = server_.stub().Synchronize(context.get());
   v1::WorkerMessage greeting;
   *greeting.mutable_hello() = callbacks_.hello();
   bool open = false;

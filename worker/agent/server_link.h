@@ -12,10 +12,9 @@
 #include <string>
 
 #include "granary/v1/worker.grpc.pb.h"
+#include "worker/agent/server_peer.h"
 
 namespace granary::agent {
-
-std::shared_ptr<grpc::Channel> open_channel(const std::string& server);
 
 class ServerLink {
  public:
@@ -24,7 +23,7 @@ class ServerLink {
     std::function<void(const v1::ServerMessage&)> receive;  // on the link's thread
   };
 
-  ServerLink(std::shared_ptr<grpc::Channel> channel, Callbacks callbacks);
+  ServerLink(const ServerPeer& server, Callbacks callbacks);
 
   // Connects, receives, reconnects until stop(). Returns false when the server refused this worker
   // for good (another engine version).
@@ -34,15 +33,13 @@ class ServerLink {
   // From any thread; dropped when there is no stream now.
   void send(const v1::WorkerMessage& message);
 
-  v1::Workers::Stub& stub() { return *stub_; }
-
  private:
   using Stream = grpc::ClientReaderWriter<v1::WorkerMessage, v1::ServerMessage>;
   grpc::Status run_stream();
   bool pause(double seconds);
 
   Callbacks callbacks_;
-  std::unique_ptr<v1::Workers::Stub> stub_;
+  const ServerPeer& server_;
   std::mutex mutex_;  // guards the stream's existence and its writes
   std::shared_ptr<grpc::ClientContext> context_;
   Stream* stream_ = nullptr;

@@ -25,8 +25,8 @@ bool is_sealed_segment(const std::string& name) {
 }  // namespace
 
 TaskFiles::TaskFiles(const v1::TaskAssignment& assignment, fs::path folder,
-                     v1::Workers::Stub& stub, Send send)
-    : assignment_(assignment), folder_(std::move(folder)), stub_(stub), send_(std::move(send)) {}
+                     const ServerPeer& server, Send send)
+    : assignment_(assignment), folder_(std::move(folder)), server_(server), send_(std::move(send)) {}
 
 void TaskFiles::fetch() {
   for (const v1::ResumeFile& file : assignment_.resume_files()) {
@@ -42,12 +42,12 @@ void TaskFiles::fetch() {
 }
 
 bool TaskFiles::fetch_one(const v1::Artifact& artifact, const std::string& name) {
-  grpc::ClientContext context;
+  const auto context = server_.context();
   v1::FetchArtifactRequest request;
   request.set_task(assignment_.task());
   request.set_fencing_token(assignment_.fencing_token());
   request.set_sha256(artifact.sha256());
-  auto reader = stub_.FetchArtifact(&context, request);
+  auto reader = server_.stub().FetchArtifact(context.get(), request);
   const fs::path file = folder_ / name;
   std::ofstream out(file, std::ios::binary);
   Sha256 hash;
@@ -79,7 +79,7 @@ bool TaskFiles::upload_pinned(const std::string& name, v1::UploadChunk::Purpose 
   fs::create_hard_link(folder_ / name, pinned, error);
   if (error) return false;
   auto uploaded =
-      upload_file(stub_, {assignment_.task(), assignment_.fencing_token(), purpose}, pinned);
+      upload_file(server_, {assignment_.task(), assignment_.fencing_token(), purpose}, pinned);
   fs::remove(pinned, error);
   if (!uploaded) {
     spdlog::warn("event=share_failed task={} file={} reason=\"{}\"", assignment_.task(), name,

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "granary/v1/worker.grpc.pb.h"
+#include "worker/agent/server_peer.h"
 
 namespace granary::agent {
 
@@ -17,7 +18,7 @@ class TaskFiles {
   using Send = std::function<void(const v1::WorkerMessage&)>;
 
   TaskFiles(const v1::TaskAssignment& assignment, std::filesystem::path folder,
-            v1::Workers::Stub& stub, Send send);
+            const ServerPeer& server, Send send);
 
   void fetch();  // before the engine starts
   void share();  // uploads what is new; from one thread at a time
@@ -31,7 +32,7 @@ class TaskFiles {
 
   const v1::TaskAssignment& assignment_;
   std::filesystem::path folder_;
-  v1::Workers::Stub& stub_;
+  const ServerPeer& server_;
   Send send_;
   bool filling_shared_ = false;
   std::filesystem::file_time_type checkpoint_time_{};

@@ -117,7 +117,7 @@ v1::TaskFinished TaskRunner::execute() {
     failed.set_message("cannot write in the work directory");
     return failed;
   }
-  TaskFiles files(assignment_, environment_.folder, environment_.stub, environment_.send);
+  TaskFiles files(assignment_, environment_.folder, environment_.server, environment_.send);
   files.fetch();
   auto engine = EngineProcess::start(environment_.program, environment_.folder);
   if (!engine) {
@@ -212,7 +212,7 @@ v1::TaskFinished TaskRunner::judge(bool exited, int code) {
 bool TaskRunner::upload_result(v1::TaskFinished& finished) {
   const UploadTask task{assignment_.task(), assignment_.fencing_token(), v1::UploadChunk::RESULT};
   for (auto pause = 100ms;; pause = std::min<std::chrono::milliseconds>(2 * pause, 5s)) {
-    auto artifact = upload_file(environment_.stub, task, environment_.folder / "result.h5");
+    auto artifact = upload_file(environment_.server, task, environment_.folder / "result.h5");
     if (artifact) {
       *finished.mutable_artifact() = *artifact;
       return true;

@@ -19,7 +19,7 @@ namespace granary::agent {
 struct TaskEnvironment {
   std::filesystem::path program;  // started as the engine
   std::filesystem::path folder;   // of this task; removed at the end
-  v1::Workers::Stub& stub;
+  const ServerPeer& server;
   std::function<void(const v1::WorkerMessage&)> send;
   std::function<void(const std::string& task)> gone;  // acknowledged or dropped; thread is ending
 };

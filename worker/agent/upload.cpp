@@ -28,13 +28,13 @@ Result<v1::Artifact> describe(const std::filesystem::path& file) {
 
 }  // namespace
 
-Result<v1::Artifact> upload_file(v1::Workers::Stub& stub, const UploadTask& task,
+Result<v1::Artifact> upload_file(const ServerPeer& server, const UploadTask& task,
                                  const std::filesystem::path& file) {
   auto artifact = describe(file);
   if (!artifact) return artifact.error();
-  grpc::ClientContext context;
+  const auto context = server.context();
   v1::UploadResponse response;
-  auto writer = stub.Upload(&context, &response);
+  auto writer = server.stub().Upload(context.get(), &response);
   v1::UploadChunk chunk;
   chunk.mutable_header()->set_task(task.task);
   chunk.mutable_header()->set_fencing_token(task.fencing_token);

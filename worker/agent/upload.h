@@ -6,6 +6,7 @@
 
 #include "granary/v1/worker.grpc.pb.h"
 #include "proto/contract/result.h"
+#include "worker/agent/server_peer.h"
 
 namespace granary::agent {
 
@@ -16,7 +17,7 @@ struct UploadTask {
 };
 
 // One try. UNAVAILABLE may be tried again; FAILED_PRECONDITION means the task is not ours any more.
-Result<v1::Artifact> upload_file(v1::Workers::Stub& stub, const UploadTask& task,
+Result<v1::Artifact> upload_file(const ServerPeer& server, const UploadTask& task,
                                  const std::filesystem::path& file);
 
 }  // namespace granary::agent
