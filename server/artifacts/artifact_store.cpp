@@ -118,4 +118,18 @@ Result<std::unique_ptr<ArtifactReader>> ArtifactStore::open(const std::string& s
   return std::make_unique<ArtifactReader>(descriptor);
 }
 
+std::size_t ArtifactStore::sweep(const std::unordered_set<std::string>& referenced,
+                                 std::chrono::seconds grace) {
+  std::size_t removed = 0;
+  std::error_code error;
+  const auto newest = std::filesystem::file_time_type::clock::now() - grace;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!is_sha256_hex(name) || referenced.count(name) > 0) continue;
+    if (entry.last_write_time(error) > newest || error) continue;
+    removed += std::filesystem::remove(entry.path(), error);
+  }
+  return removed;
+}
+
 }  // namespace granary::server

@@ -3,12 +3,14 @@
 // from checksums only: no text of a request ever becomes a path.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 
 #include "proto/contract/result.h"
 #include "proto/contract/sha256.h"
@@ -61,6 +63,9 @@ class ArtifactStore {
   // DATA_LOSS when size or checksum differ from what the sender declared.
   Status publish(std::unique_ptr<IncomingArtifact> incoming, const ArtifactId& declared);
   Result<std::unique_ptr<ArtifactReader>> open(const std::string& sha256) const;
+  // Removes published files that nothing refers to and that are older than `grace`: an upload is
+  // published before the job that will refer to it. Returns how many.
+  std::size_t sweep(const std::unordered_set<std::string>& referenced, std::chrono::seconds grace);
   Result<std::uint64_t> size_of(const std::string& sha256) const;  // NOT_FOUND
 
  private:

@@ -7,6 +7,11 @@
 #include <sys/stat.h>
 
 #include <atomic>
+#include <condition_variable>
+#include <future>
+#include <mutex>
+#include <thread>
+#include <unordered_set>
 
 #include "server/api/jobs_service.h"
 #include "server/api/workers_service.h"
@@ -18,6 +23,8 @@
 namespace granary::server {
 namespace {
 
+constexpr std::chrono::hours kOrphanGrace{1};      // from an upload to the commit that refers to it
+constexpr std::chrono::minutes kSweepInterval{10};
 constexpr int kMaxMessageBytes = 64
                                  << 20;  // a batch of 10,000 scenes; single scenes are far smaller
 
@@ -66,6 +73,7 @@ class RunningServer : public Server {
     if (address_.rfind("unix:", 0) != 0)
       address_ = address_.substr(0, address_.rfind(':') + 1) + std::to_string(port);
     set_serving(true);
+    sweeper_ = std::thread([this] { sweep_now_and_then(); });
     return Done{};
   }
 
@@ -75,6 +83,12 @@ class RunningServer : public Server {
   void drain() override {
     if (!grpc_) return;
     set_serving(false);
+    {
+      std::lock_guard lock(sweep_mutex_);
+      draining_ = true;
+      sweep_wake_.notify_all();
+    }
+    if (sweeper_.joinable()) sweeper_.join();
     grpc_->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(2));
     grpc_.reset();
     owner_.stop();
@@ -110,6 +124,29 @@ class RunningServer : public Server {
     }
   }
 
+  // The list of what is referred to is taken on the owner thread, the files are removed here.
+  std::size_t sweep_once() {
+    std::unordered_set<std::string> referenced;
+    std::promise<bool> listed;
+    owner_.post(
+        [this, &referenced] {
+          for (std::string& name : store_.referenced_artifacts()) referenced.insert(std::move(name));
+        },
+        [&listed](const Status& status) { listed.set_value(status.ok()); });
+    return listed.get_future().get() ? artifacts_.sweep(referenced, kOrphanGrace) : 0;
+  }
+
+  void sweep_now_and_then() {
+    std::unique_lock lock(sweep_mutex_);
+    while (!draining_) {
+      lock.unlock();
+      const std::size_t removed = sweep_once();
+      if (removed > 0) spdlog::info("event=sweep removed={}", removed);
+      lock.lock();
+      sweep_wake_.wait_for(lock, kSweepInterval, [this] { return draining_; });
+    }
+  }
+
   void set_serving(bool serving) {
     auto* health = grpc_->GetHealthCheckService();
     health->SetServingStatus(serving);
@@ -130,6 +167,10 @@ class RunningServer : public Server {
   std::unique_ptr<grpc::Server> grpc_;
   std::string address_;
   std::atomic<bool> wants_to_exit_ = false;
+  std::mutex sweep_mutex_;
+  std::condition_variable sweep_wake_;
+  bool draining_ = false;
+  std::thread sweeper_;
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ class Resume : public RealService {
  protected:
   // Several seconds of computing, so that a checkpoint every tenth of one is early.
   std::vector<std::string> medium_scene(std::vector<std::string> command) const {
-    for (const char* word : {"--set", "discharge.time_step_s=2e-6"}) command.push_back(word);
+    for (const char* word : {"--set", "discharge.time_step_s=4e-6"}) command.push_back(word);
     command.push_back(scene("discharge_small"));
     return command;
   }

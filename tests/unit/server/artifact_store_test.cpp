@@ -62,6 +62,19 @@ TEST_F(ArtifactStoreTest, an_abandoned_upload_leaves_nothing) {
   EXPECT_EQ(files(), 0u);
 }
 
+TEST_F(ArtifactStoreTest, sweeps_old_files_that_nothing_refers_to) {
+  ArtifactStore store(folder_);
+  for (const char* bytes : {"kept", "orphan"}) {
+    auto incoming = store.receive();
+    ASSERT_TRUE((*incoming)->append(bytes).ok());
+    ASSERT_TRUE(store.publish(std::move(*incoming), {sha256_hex(bytes), std::string(bytes).size()}).ok());
+  }
+  EXPECT_EQ(store.sweep({sha256_hex("kept")}, std::chrono::hours(1)), 0u) << "both may just have arrived";
+  EXPECT_EQ(store.sweep({sha256_hex("kept")}, std::chrono::seconds(-1)), 1u);
+  EXPECT_TRUE(store.size_of(sha256_hex("kept")).ok());
+  EXPECT_FALSE(store.size_of(sha256_hex("orphan")).ok());
+}
+
 TEST_F(ArtifactStoreTest, names_that_are_no_checksum_never_become_paths) {
   ArtifactStore store(folder_);
   for (const std::string& name : {std::string("../../etc/passwd"), std::string(),
