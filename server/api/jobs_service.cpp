@@ -193,9 +193,9 @@ grpc::ServerUnaryReactor* JobsService::GetServerInfo(grpc::CallbackServerContext
   return answer_on_owner(backend_, context, [this, response]() -> Status {
     response->set_version(kProductVersion);
     response->set_engine_version(kEngineVersion);
-    const QueueCounts counts = backend_.dispatcher.counts();
-    response->set_waiting(counts.waiting);
-    response->set_running(counts.running);
+    const QueueTally& tally = backend_.dispatcher.tally();
+    response->set_waiting(tally.waiting());
+    response->set_running(tally.running());
     for (const v1::WorkerInfo& worker : backend_.dispatcher.list_workers(system_now())) {
       if (worker.state() != "connected") continue;
       response->set_workers(response->workers() + 1);

@@ -51,7 +51,7 @@ void Dispatcher::reload(Now now) {
   leases_.clear();
   for (const TaskRecord& task : store_.open_tasks())
     leases_.grant(task.id, task.job, task.worker, now.steady_ms);
-  counts_ = store_.count_jobs();
+  tally_.load(store_.waiting_by_owner(), store_.count_running());
   effects_.clear();
   slots_may_be_free_ = true;
 }
@@ -62,7 +62,7 @@ JobId Dispatcher::insert(const NewJob& job, Now now) {
   const JobId id = store_.insert_job(job, now.wall_ms);
   const auto stored = job.fresh ? std::nullopt : store_.find_complete(job.key);
   if (!stored) {
-    ++counts_.waiting;
+    tally_.job_waits(job.owner);
     slots_may_be_free_ = true;
     store_.append_event(id, {next_sequence(), now.wall_ms, v1::WAITING, ""});
     return id;
@@ -80,14 +80,24 @@ JobId Dispatcher::insert(const NewJob& job, Now now) {
   return id;
 }
 
+// Limits keep one user from filling the disk, and one user's queue from starving the others' intake.
+std::optional<Error> Dispatcher::queue_is_full(const Submission& submission) const {
+  const auto full = [](const std::string& whose, std::uint64_t limit) {
+    return Error{ErrorCode::resource_exhausted,
+                 whose + " is full (" + std::to_string(limit) + " waiting jobs), retry in 10 s", ""};
+  };
+  if (tally_.waiting() + submission.jobs.size() > limits_.max_waiting)
+    return full("the queue", limits_.max_waiting);
+  const std::string& owner = submission.jobs.empty() ? std::string() : submission.jobs[0].owner;
+  if (tally_.waiting_of(owner) + submission.jobs.size() > limits_.max_waiting_per_owner)
+    return full("the queue of " + owner, limits_.max_waiting_per_owner);
+  return {};
+}
+
 Result<std::vector<JobId>> Dispatcher::submit(const Submission& submission, Now now) {
   if (!submission.request_id.empty())
     if (auto earlier = store_.find_request(submission.request_id)) return *earlier;
-  if (counts_.waiting + submission.jobs.size() > limits_.max_waiting)
-    return Error{ErrorCode::resource_exhausted,
-                 "the queue is full (" + std::to_string(limits_.max_waiting) +
-                     " waiting jobs), retry in 10 s",
-                 ""};
+  if (auto full = queue_is_full(submission)) return *full;
   std::vector<JobId> ids;
   ids.reserve(submission.jobs.size());
   for (const NewJob& job : submission.jobs) ids.push_back(insert(job, now));
@@ -106,7 +116,7 @@ Result<JobRecord> Dispatcher::cancel(JobId id, Now now) {
   auto job = store_.find_job(id);
   if (!job) return not_found(id);
   if (job->state == v1::WAITING) {
-    --counts_.waiting;
+    tally_.job_waits_no_more(job->owner);
     job->cancel_requested = true;
     job->state = v1::CANCELLED;
     job->error = "cancelled";
@@ -136,7 +146,7 @@ Result<JobRecord> Dispatcher::retry(JobId id, Now now) {
   job->lost_workers = job->engine_crashes = 0;
   job->error.clear();
   job->ended_ms = 0;
-  ++counts_.waiting;
+  tally_.job_waits(job->owner);
   store_state(*job, "retried", now);
   fill_slots(now);
   return *job;
@@ -280,10 +290,10 @@ void Dispatcher::end_execution(JobRecord job, ExecutionEnd end, const std::strin
   const TaskId task = job.task;
   store_.end_task(task, now.wall_ms, outcome_text(end), message);
   leases_.end(task);
-  --counts_.running;
+  tally_.job_runs_no_more();
   apply_execution_end(job, end, message, now);
   if (is_final(job.state)) store_.put_resume_files(job.id, {});
-  if (job.state == v1::WAITING) ++counts_.waiting;
+  if (job.state == v1::WAITING) tally_.job_waits(job.owner);
   slots_may_be_free_ = true;
   store_state(job, message, now);
 }
@@ -295,8 +305,8 @@ void Dispatcher::assign(Worker& worker, JobRecord job, Now now) {
   job.error.clear();
   ++job.attempts;
   if (job.started_ms == 0) job.started_ms = now.wall_ms;
-  --counts_.waiting;
-  ++counts_.running;
+  tally_.job_waits_no_more(job.owner);
+  tally_.job_runs();
   leases_.grant(job.task, job.id, job.worker, now.steady_ms);
   store_state(job, "on " + job.worker, now);
   send(job.worker, assignment_of(job));
@@ -328,13 +338,13 @@ void Dispatcher::fill_slots(Now now) {
   for (auto& [id, worker] : registry_.all()) {
     if (!worker.link || worker.draining) continue;
     const std::vector<std::string> kinds(worker.hello.kinds().begin(), worker.hello.kinds().end());
-    while (counts_.waiting > 0 && busy_slots(worker) < worker.hello.slots()) {
+    while (tally_.waiting() > 0 && busy_slots(worker) < worker.hello.slots()) {
       auto job = store_.next_waiting(kinds);
       if (!job) break;
       assign(worker, std::move(*job), now);
     }
   }
-  slots_may_be_free_ = counts_.waiting == 0 || free_slots() > 0;
+  slots_may_be_free_ = tally_.waiting() == 0 || free_slots() > 0;
 }
 
 void Dispatcher::store_state(JobRecord& job, const std::string& message, Now now) {
@@ -368,7 +378,7 @@ void Dispatcher::tick(Now now) {
 }
 
 bool Dispatcher::idle() const {
-  return counts_.waiting == 0 && counts_.running == 0 && hub_.watcher_count() == 0;
+  return tally_.waiting() == 0 && tally_.running() == 0 && hub_.watcher_count() == 0;
 }
 
 std::vector<v1::WorkerInfo> Dispatcher::list_workers(Now now) {
@@ -388,10 +398,6 @@ std::vector<v1::WorkerInfo> Dispatcher::list_workers(Now now) {
     out.push_back(std::move(info));
   }
   return out;
-}
-
-QueueCounts Dispatcher::counts() {
-  return counts_;
 }
 
 std::uint32_t Dispatcher::free_slots() {

@@ -6,11 +6,13 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "proto/contract/result.h"
 #include "server/jobs/job_store.h"
+#include "server/jobs/queue_tally.h"
 #include "server/jobs/retry_policy.h"
 #include "server/jobs/watch_hub.h"
 #include "server/workers/lease_table.h"
@@ -20,6 +22,7 @@ namespace granary::server {
 
 struct QueueLimits {
   std::uint64_t max_waiting = 2'000'000;
+  std::uint64_t max_waiting_per_owner = 2'000'000;
 };
 
 struct Submission {
@@ -60,13 +63,14 @@ class Dispatcher {
   bool idle() const;   // nobody watches, nothing waits or runs
 
   std::vector<v1::WorkerInfo> list_workers(Now now);
-  QueueCounts counts();
+  const QueueTally& tally() const { return tally_; }
   std::uint32_t free_slots();
 
   // Effects of the present batch, to be run after its commit or dropped.
   std::vector<std::function<void()>> take_effects() { return std::exchange(effects_, {}); }
 
  private:
+  std::optional<Error> queue_is_full(const Submission& submission) const;
   void fill_slots(Now now);
   void assign(Worker& worker, JobRecord job, Now now);
   v1::ServerMessage assignment_of(const JobRecord& job);
@@ -84,7 +88,7 @@ class Dispatcher {
   LeaseTable leases_;
   WorkerRegistry registry_;
   WatchHub hub_;
-  QueueCounts counts_;
+  QueueTally tally_;
   std::uint64_t epoch_ = 0;
   std::uint64_t events_ = 0;
   bool slots_may_be_free_ = true;

@@ -3,6 +3,7 @@
 // thread; a call that cannot be done throws, which undoes the whole request.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,7 +23,8 @@ class JobStore {
   virtual void delete_job(JobId id) = 0;
   virtual std::vector<JobRecord> list_jobs(
       const ListFilter& filter) = 0;  // newest first, no scenes
-  virtual QueueCounts count_jobs() = 0;
+  virtual std::map<std::string, std::uint64_t> waiting_by_owner() = 0;
+  virtual std::uint64_t count_running() = 0;
 
   // The waiting job to run next: by rank = submission time - 10 min per priority level, so that
   // priorities age. Only kinds in `kinds` (empty = any).

@@ -97,11 +97,6 @@ struct ListFilter {
   std::uint32_t limit = 100;
 };
 
-struct QueueCounts {
-  std::uint64_t waiting = 0;
-  std::uint64_t running = 0;
-};
-
 std::string job_name(JobId id);
 std::optional<JobId> job_id_from(const std::string& name);  // "jobs/17"
 std::string task_name(TaskId id);

@@ -65,10 +65,7 @@ JobTable::JobTable(SQLite::Database& c)
                       "(?1 = '' OR instr(?1, ',' || kind || ',')) ORDER BY rank, id LIMIT 1"),
       complete_(
           c, "SELECT " + kColumns + " FROM job WHERE state = 3 AND key = ? AND reused = 0 LIMIT 1"),
-      tags_(c, "SELECT name, value FROM job_tag WHERE job = ?"),
-      counts_(c,
-              "SELECT (SELECT count(*) FROM job WHERE state = 1), (SELECT count(*) FROM job WHERE "
-              "state = 2)") {}
+      tags_(c, "SELECT name, value FROM job_tag WHERE job = ?") {}
 
 JobId JobTable::insert(const NewJob& job, std::int64_t submitted_ms) {
   Use row(insert_);
@@ -179,11 +176,17 @@ std::vector<JobRecord> JobTable::list(const ListFilter& filter) {
   return jobs;
 }
 
-QueueCounts JobTable::counts() {
-  Use row(counts_);
-  row->executeStep();
-  return {static_cast<std::uint64_t>(row->getColumn(0).getInt64()),
-          static_cast<std::uint64_t>(row->getColumn(1).getInt64())};
+std::map<std::string, std::uint64_t> JobTable::waiting_by_owner() {
+  SQLite::Statement row(connection_, "SELECT owner, count(*) FROM job WHERE state = 1 GROUP BY owner");
+  std::map<std::string, std::uint64_t> counts;
+  while (row.executeStep())
+    counts[row.getColumn(0).getString()] = static_cast<std::uint64_t>(row.getColumn(1).getInt64());
+  return counts;
+}
+
+std::uint64_t JobTable::count_running() {
+  return static_cast<std::uint64_t>(
+      connection_.execAndGet("SELECT count(*) FROM job WHERE state = 2").getInt64());
 }
 
 }  // namespace granary::server

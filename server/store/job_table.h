@@ -3,6 +3,7 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,7 +21,8 @@ class JobTable {
   void update(const JobRecord& job);
   void erase(JobId id);
   std::vector<JobRecord> list(const ListFilter& filter);
-  QueueCounts counts();
+  std::map<std::string, std::uint64_t> waiting_by_owner();
+  std::uint64_t count_running();
   std::optional<JobRecord> next_waiting(const std::vector<std::string>& kinds);
   std::optional<JobRecord> find_complete(const std::string& key);
 
@@ -29,8 +31,7 @@ class JobTable {
   void read_tags(JobRecord& job);
 
   SQLite::Database& connection_;
-  SQLite::Statement insert_, insert_tag_, find_, update_, erase_, waiting_, complete_, tags_,
-      counts_;
+  SQLite::Statement insert_, insert_tag_, find_, update_, erase_, waiting_, complete_, tags_;
 };
 
 }  // namespace granary::server

@@ -21,7 +21,10 @@ class SqliteJobStore : public JobStore {
   void update_job(const JobRecord& job) override { jobs_.update(job); }
   void delete_job(JobId id) override { jobs_.erase(id); }
   std::vector<JobRecord> list_jobs(const ListFilter& filter) override { return jobs_.list(filter); }
-  QueueCounts count_jobs() override { return jobs_.counts(); }
+  std::map<std::string, std::uint64_t> waiting_by_owner() override {
+    return jobs_.waiting_by_owner();
+  }
+  std::uint64_t count_running() override { return jobs_.count_running(); }
   std::optional<JobRecord> next_waiting(const std::vector<std::string>& kinds) override {
     return jobs_.next_waiting(kinds);
   }

@@ -101,7 +101,7 @@ class DispatcherTest : public testing::Test {
   Now now{1'700'000'000'000, 1000};
   Database database{":memory:"};
   SqliteJobStore store{database.connection()};
-  Dispatcher dispatcher{store, {100}};
+  Dispatcher dispatcher{store, {100, 50}};
 };
 
 TEST_F(DispatcherTest, gives_waiting_jobs_to_free_slots_in_order) {
@@ -178,7 +178,7 @@ TEST_F(DispatcherTest, a_restarted_server_waits_for_its_workers) {
   const JobId job = submit();
   auto a = connect("a");
   const std::string task = a->last_task();
-  Dispatcher restarted(store, {100});
+  Dispatcher restarted(store, {100, 50});
   restarted.reload(now);
   pass(0);
   v1::WorkerHello hello;
@@ -228,14 +228,32 @@ TEST_F(DispatcherTest, the_same_request_id_makes_the_same_jobs) {
   const auto first = dispatcher.submit(submission, now);
   const auto again = dispatcher.submit(submission, now);
   EXPECT_EQ(*first, *again);
-  EXPECT_EQ(dispatcher.counts().waiting, 2u);
+  EXPECT_EQ(dispatcher.tally().waiting(), 2u);
 }
 
 TEST_F(DispatcherTest, a_full_queue_refuses_the_whole_batch) {
   Submission submission;
   submission.jobs.resize(101);
   EXPECT_EQ(dispatcher.submit(submission, now).error().code, ErrorCode::resource_exhausted);
-  EXPECT_EQ(dispatcher.counts().waiting, 0u);
+  EXPECT_EQ(dispatcher.tally().waiting(), 0u);
+}
+
+TEST_F(DispatcherTest, one_owner_s_full_queue_leaves_room_for_others) {
+  Submission submission;
+  submission.jobs.resize(50);
+  for (NewJob& job : submission.jobs) job.owner = "anna";
+  ASSERT_TRUE(dispatcher.submit(submission, now).ok());
+  submission.jobs.resize(1);
+  const auto refused = dispatcher.submit(submission, now);
+  EXPECT_EQ(refused.error().code, ErrorCode::resource_exhausted);
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("anna"));
+  submission.jobs[0].owner = "berta";
+  EXPECT_TRUE(dispatcher.submit(submission, now).ok());
+  // Room again once a job has left the queue; the count survives a rebuild.
+  ASSERT_TRUE(dispatcher.cancel(1, now).ok());
+  dispatcher.reload(now);
+  submission.jobs[0].owner = "anna";
+  EXPECT_TRUE(dispatcher.submit(submission, now).ok());
 }
 
 TEST_F(DispatcherTest, a_repeated_job_gets_the_stored_result_unless_fresh) {
@@ -282,7 +300,7 @@ TEST_F(DispatcherTest, a_watcher_sees_each_state_once_and_resumes_behind_a_seque
 TEST_F(DispatcherTest, sequences_grow_over_a_restart) {
   const JobId job = submit();
   const auto before = store.events_after(job, 0).back().sequence;
-  Dispatcher restarted(store, {100});
+  Dispatcher restarted(store, {100, 50});
   restarted.reload(now);
   ASSERT_TRUE(restarted.cancel(job, now).ok());
   EXPECT_GT(store.events_after(job, 0).back().sequence, before);
