@@ -2,8 +2,11 @@
 // keeps its last good checkpoint, publishes nothing half, and goes on from there once there is space.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 
 #include "tests/support/faulty_file_system.h"
 #include "tests/support/sample_result.h"
@@ -84,6 +87,27 @@ TEST(DiskFull, while_the_result_file_is_written_leaves_neither_a_result_nor_a_le
     }
     EXPECT_TRUE(std::filesystem::is_empty(directory.path())) << "limit " << limit;
   }
+}
+
+// HDF5 keeps a file whose close failed half open, and would crash on it at exit.
+TEST(DiskFull, while_the_result_file_is_closed_still_lets_the_process_exit) {
+  TemporaryDirectory directory;
+  const pid_t child = fork();
+  if (child == 0) {
+    const FileSizeLimit guard(5000);
+    try {
+      storage::ResultWriter writer(storage::real_file_system(), directory / "r.h5");
+      writer.add_content(sample_content());
+      writer.commit();
+    } catch (const storage::StorageError&) {
+      std::exit(7);
+    }
+    std::exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status)) << "ended by signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), 7);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ Handle file_access() {
 }
 
 Handle create_file(const Path& path) {
-  silence_library();
+  prepare_library();
   const Handle access = file_access();
   return Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose,
                 "create " + path.string());

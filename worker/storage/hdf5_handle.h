@@ -43,7 +43,8 @@ inline void check(herr_t status, const std::string& doing) {
   if (status < 0) throw_last_error(doing);
 }
 
-// The library prints every failure by default; ours are reported by exception.
-void silence_library();
+// To be called before the first use. The library prints every failure by default; ours are reported
+// by exception.
+void prepare_library();
 
 }  // namespace granary::storage::hdf5

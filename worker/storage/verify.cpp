@@ -166,7 +166,7 @@ class Verifier {
 }  // namespace
 
 VerifyReport verify_result(const Path& path) {
-  hdf5::silence_library();
+  hdf5::prepare_library();
   try {
     return Verifier(path).run();
   } catch (const StorageError& error) {
