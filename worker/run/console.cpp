@@ -63,7 +63,7 @@ void print_table(const v1::Result& result) {
     if (quantity.has_value()) std::printf("%.6g", quantity.value());
     else std::printf("unknown");
     if (quantity.has_error()) std::printf(" +- %.2g", quantity.error());
-    std::printf(" %s", quantity.unit().c_str());
+    if (quantity.unit() != "1") std::printf(" %s", quantity.unit().c_str());
     if (!quantity.has_error()) std::printf("  (%s)", quantity.error_basis().c_str());
     std::printf("\n");
   }

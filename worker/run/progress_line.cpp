@@ -48,7 +48,7 @@ std::string progress_text(const v1::Progress& progress) {
     text += format("  %.3g ns/particle-step", progress.ns_per_particle_step());
   if (progress.replicates() > 1)
     text += format("  replicate %u of %u", progress.replicate() + 1, progress.replicates());
-  if (progress.fraction() > 0 && progress.fraction() < 1)
+  if (progress.eta_s() > 0)
     text += "  " + duration_text(progress.eta_s()) + " left";
   return text;
 }
