@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/faulty_file_system.h"
 #include "tests/support/temporary_directory.h"
 #include "worker/storage/frame_store.h"
 #include "worker/storage/storage_error.h"
@@ -12,6 +13,7 @@
 namespace granary::storage {
 namespace {
 
+using testing::FaultyFileSystem;
 using testing::TemporaryDirectory;
 
 const RunIdentity kIdentity{"scene", "1.0", "portable"};
@@ -68,8 +70,24 @@ TEST(FrameStore, drops_what_came_after_the_checkpoint) {
 
   FrameStore resumed(real_file_system(), directory.path(), kIdentity, "");
   resumed.restore(at_checkpoint);
+  EXPECT_EQ(real_file_system().list(directory.path()), (std::vector<std::string>{"segment-000000"}));
   append_frame(resumed, 1);
   EXPECT_EQ(indices_in(resumed), (std::vector<std::uint64_t>{0, 1}));
+}
+
+TEST(FrameStore, what_is_sealed_survives_a_power_cut) {
+  TemporaryDirectory directory;
+  const Path run = directory / "run";
+  FaultyFileSystem files(FaultyFileSystem::Fault::none, 0, directory / "scratch");
+  files.create_directory(run);
+  FrameStore store(files, run, kIdentity, "");
+  append_frame(store, 0);
+  const std::vector<SegmentInfo> sealed = store.seal();
+  append_frame(store, 1);
+  files.lose_unsynced(run);
+  FrameStore after(real_file_system(), run, kIdentity, "");
+  after.restore(sealed);
+  EXPECT_EQ(indices_in(after), (std::vector<std::uint64_t>{0}));
 }
 
 TEST(FrameStore, refuses_a_sealed_segment_with_any_byte_changed_or_missing) {
