@@ -79,7 +79,7 @@ Handle open_group(hid_t parent, const std::string& name) {
 }
 
 Handle open_file(const Path& path) {
-  hdf5::silence_library();
+  hdf5::prepare_library();
   if (H5Fis_hdf5(path.c_str()) <= 0)
     throw StorageError(StorageFault::damaged, path.string() + " is not an HDF5 file");
   return Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
