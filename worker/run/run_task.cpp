@@ -125,7 +125,7 @@ class TaskRun {
   }
 
   void finish_replicate() {
-    report_progress();
+    report_progress(1.0);  // an engine's own measure may end just short of it
     core::Simulation& simulation = engine_->simulation();
     core::Observation observation = simulation.observe();
     const auto withheld = withhold_non_finite(observation.values);
@@ -155,8 +155,10 @@ class TaskRun {
 
   // ---- on the way
 
-  void report_progress() {
-    v1::Progress progress = meter_.take(engine_->now(), replicate(), wall_now_s(),
+  void report_progress(double least_fraction = 0) {
+    core::SimulationProgress now = engine_->now();
+    now.fraction = std::max(now.fraction, least_fraction);
+    v1::Progress progress = meter_.take(now, replicate(), wall_now_s(),
                                         record_.costs.engine_wall_s - engine_wall_before_s_,
                                         particle_steps_done_ + engine_->new_particle_steps());
     progress.set_ledger_remainder_ratio(engine_->last_good_ledger().remainder_ratio());
