@@ -9,7 +9,7 @@ namespace granary::storage::hdf5 {
 namespace {
 
 // Metadata is gathered into blocks of this size: fewer, larger writes for many small datasets.
-constexpr hsize_t kMetadataBlockBytes = 1 << 16;
+constexpr hsize_t kMetadataBlockBytes = 1 << 13;
 constexpr std::string_view kTextUnit = "text";
 
 Handle file_access() {
