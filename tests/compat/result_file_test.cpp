@@ -1,5 +1,6 @@
 // result_v1.h5 was written on 2026-11-22 by the first version of the format (the content of
-// tests/support/sample_result.cpp then) and is never written again: results live longer than programs.
+// tests/support/sample_result.cpp then) and is never written again: results live longer than
+// programs.
 #include <gtest/gtest.h>
 
 #include "tests/support/result_reader.h"

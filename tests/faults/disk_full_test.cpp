@@ -1,5 +1,6 @@
-// The disk is full from a chosen moment on. The task ends with a clear outcome that may be tried again,
-// keeps its last good checkpoint, publishes nothing half, and goes on from there once there is space.
+// The disk is full from a chosen moment on. The task ends with a clear outcome that may be tried
+// again, keeps its last good checkpoint, publishes nothing half, and goes on from there once there
+// is space.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -78,7 +79,8 @@ TEST(DiskFull, while_the_result_file_is_written_leaves_neither_a_result_nor_a_le
     try {
       const FileSizeLimit guard(limit);
       storage::ResultWriter writer(storage::real_file_system(), directory / "r.h5");
-      writer.add_frame({0, 0, "", {core::make_column<double>("x_m", "m", std::span<const double>(big))}});
+      writer.add_frame(
+          {0, 0, "", {core::make_column<double>("x_m", "m", std::span<const double>(big))}});
       writer.add_content(sample_content());
       writer.commit();
       ADD_FAILURE() << "wrote 800 kB into a file of at most " << limit;

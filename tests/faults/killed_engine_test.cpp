@@ -1,5 +1,6 @@
-// A real engine process is killed with SIGKILL again and again at random moments and started again on
-// its directory, as a worker does. In the end there is one result, bitwise that of an undisturbed run.
+// A real engine process is killed with SIGKILL again and again at random moments and started again
+// on its directory, as a worker does. In the end there is one result, bitwise that of an
+// undisturbed run.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -41,7 +42,8 @@ v1::Scene scene_to_kill() {
 }
 
 TEST(KilledEngine, ends_bitwise_like_an_undisturbed_one_however_often_it_is_killed) {
-  setenv("GRANARY_CHECKPOINT_INTERVAL_S", "0", 1);  // after every chunk: many moments to be killed in
+  setenv("GRANARY_CHECKPOINT_INTERVAL_S", "0",
+         1);  // after every chunk: many moments to be killed in
   TemporaryDirectory calm;
   assign(calm.path(), scene_to_kill());
   EngineChild undisturbed(TOY_ENGINE, calm.path());

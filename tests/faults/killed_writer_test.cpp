@@ -27,7 +27,8 @@ constexpr std::uint64_t kFramesPerSegment = 64;
 
 std::vector<double> positions_of(std::uint64_t frame) {
   std::vector<double> values(2 * kParticles);
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(frame) + 1e-3 * static_cast<double>(i);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = static_cast<double>(frame) + 1e-3 * static_cast<double>(i);
   return values;
 }
 
@@ -36,7 +37,8 @@ std::vector<double> positions_of(std::uint64_t frame) {
   FrameStore store(real_file_system(), directory, {"scene", "1", "portable"}, "a scene");
   for (std::uint64_t frame = 0;; ++frame) {
     const std::vector<double> positions = positions_of(frame);
-    const core::ColumnView column{"position_m", "m", core::ElementType::f64, kParticles, 2, positions.data()};
+    const core::ColumnView column{"position_m", "m", core::ElementType::f64,
+                                  kParticles,   2,   positions.data()};
     store.append({frame, 0.01 * static_cast<double>(frame), "flow", std::span(&column, 1)});
     if (write(report, &frame, sizeof frame) != sizeof frame) _exit(0);
     if (frame % kFramesPerSegment == kFramesPerSegment - 1) store.seal();
@@ -71,7 +73,8 @@ TEST(KilledWriter, loses_at_most_the_frame_it_was_writing) {
   int with_frames = 0;
   for (int i = 0; i < kill_count(); ++i) {
     TemporaryDirectory directory;
-    const auto life = std::chrono::microseconds(std::uniform_int_distribution<>(1500, 5000)(random));
+    const auto life =
+        std::chrono::microseconds(std::uniform_int_distribution<>(1500, 5000)(random));
     const auto last = kill_a_writer(directory.path(), life);
     if (!last) continue;
     ++with_frames;
@@ -85,7 +88,8 @@ TEST(KilledWriter, loses_at_most_the_frame_it_was_writing) {
     EXPECT_EQ(result.texts.at("@state"), "partial");
     EXPECT_EQ(result.datasets.at("/scene").text(), "a scene");
     char name[64];
-    std::snprintf(name, sizeof name, "/frames/%06llu/position_m", static_cast<unsigned long long>(*last));
+    std::snprintf(name, sizeof name, "/frames/%06llu/position_m",
+                  static_cast<unsigned long long>(*last));
     EXPECT_EQ(result.datasets.at(name).as<double>(), positions_of(*last));
   }
   EXPECT_GE(with_frames, kill_count() / 2) << "the test killed before anything was written";

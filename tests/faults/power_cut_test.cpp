@@ -1,7 +1,7 @@
 // The machine stops at a chosen file operation of a run that checkpoints after every chunk. Either
-// everything written survives (only the process died), or everything that was not synced is lost. The
-// next run on the same directory must end bitwise like an undisturbed one. All operations are tried,
-// in strides that keep it quick (GRANARY_STRIDE; tests/long.sh uses 1).
+// everything written survives (only the process died), or everything that was not synced is lost.
+// The next run on the same directory must end bitwise like an undisturbed one. All operations are
+// tried, in strides that keep it quick (GRANARY_STRIDE; tests/long.sh uses 1).
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -57,13 +57,16 @@ TEST_P(PowerCut, at_any_operation_costs_time_and_nothing_else) {
     FaultyFileSystem files(FaultyFileSystem::Fault::power_cut, at, directory / "scratch");
     const TaskOutcome cut = run(spec, files);
     struck = files.struck();
-    EXPECT_EQ(cut.outcome, struck ? v1::TaskFinished::CRASHED : v1::TaskFinished::COMPLETE) << cut.message;
+    EXPECT_EQ(cut.outcome, struck ? v1::TaskFinished::CRASHED : v1::TaskFinished::COMPLETE)
+        << cut.message;
     std::filesystem::create_directories(spec.work_directory);
     if (GetParam()) files.lose_unsynced(spec.work_directory);
     const TaskOutcome again = run(spec, storage::real_file_system());
-    ASSERT_EQ(again.outcome, v1::TaskFinished::COMPLETE) << "after operation " << at << ": " << again.message;
+    ASSERT_EQ(again.outcome, v1::TaskFinished::COMPLETE)
+        << "after operation " << at << ": " << again.message;
     EXPECT_EQ(again.result.state_hash(), expected.result.state_hash()) << "after operation " << at;
-    EXPECT_EQ(again.result.cost().steps(), expected.result.cost().steps()) << "after operation " << at;
+    EXPECT_EQ(again.result.cost().steps(), expected.result.cost().steps())
+        << "after operation " << at;
     EXPECT_TRUE(storage::verify_result(spec.result_path).ok());
     const StoredResult result = read_result(spec.result_path);
     EXPECT_EQ(result.below("/frames"), whole.below("/frames")) << "after operation " << at;
@@ -72,8 +75,9 @@ TEST_P(PowerCut, at_any_operation_costs_time_and_nothing_else) {
   EXPECT_GT(at, 100u);  // it did go through a whole run with its checkpoints
 }
 
-INSTANTIATE_TEST_SUITE_P(Fates, PowerCut, ::testing::Bool(),
-                         [](const auto& info) { return info.param ? "unsynced_is_lost" : "all_survives"; });
+INSTANTIATE_TEST_SUITE_P(Fates, PowerCut, ::testing::Bool(), [](const auto& info) {
+  return info.param ? "unsynced_is_lost" : "all_survives";
+});
 
 }  // namespace
 }  // namespace granary::run

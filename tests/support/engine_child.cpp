@@ -27,9 +27,12 @@ bool read_exactly(int descriptor, void* buffer, std::size_t byte_count) {
   return true;
 }
 
-std::filesystem::path log_path(const std::filesystem::path& directory) { return directory / "engine.log"; }
+std::filesystem::path log_path(const std::filesystem::path& directory) {
+  return directory / "engine.log";
+}
 
-[[noreturn]] void become_engine(const std::string& program, const std::filesystem::path& directory, int out) {
+[[noreturn]] void become_engine(const std::string& program, const std::filesystem::path& directory,
+                                int out) {
   dup2(out, STDOUT_FILENO);
   const int log = open(log_path(directory).c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
   dup2(log, STDERR_FILENO);
@@ -79,7 +82,9 @@ void EngineChild::close_pipe() {
   pipe_ = -1;
 }
 
-void EngineChild::signal(int number) { kill(pid_, number); }
+void EngineChild::signal(int number) {
+  kill(pid_, number);
+}
 
 int EngineChild::wait() {
   int status = 0;
@@ -94,7 +99,8 @@ std::string EngineChild::log() const {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-pid_t spawn_through_dying_parent(const std::string& program, const std::filesystem::path& directory) {
+pid_t spawn_through_dying_parent(const std::string& program,
+                                 const std::filesystem::path& directory) {
   int tell[2];
   if (pipe2(tell, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
   const pid_t parent = fork();

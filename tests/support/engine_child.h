@@ -33,7 +33,8 @@ class EngineChild {
 };
 
 // Starts the engine from a process that ends as soon as the engine has reported once.
-pid_t spawn_through_dying_parent(const std::string& program, const std::filesystem::path& directory);
+pid_t spawn_through_dying_parent(const std::string& program,
+                                 const std::filesystem::path& directory);
 bool is_gone_within(pid_t pid, std::chrono::seconds deadline);
 
 }  // namespace granary::testing

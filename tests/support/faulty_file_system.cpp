@@ -42,7 +42,8 @@ FaultyFileSystem::FaultyFileSystem(Fault fault, std::uint64_t at, Path scratch)
 
 void FaultyFileSystem::count_operation() {
   if (operations_++ < at_ || fault_ == Fault::none) return;
-  if (fault_ == Fault::disk_full) throw StorageError(StorageFault::disk_full, "No space left on device");
+  if (fault_ == Fault::disk_full)
+    throw StorageError(StorageFault::disk_full, "No space left on device");
   throw StorageError(StorageFault::io, "the power is gone");
 }
 
@@ -78,7 +79,8 @@ void FaultyFileSystem::sync(storage::WritableFile& file, const Path& path) {
 void FaultyFileSystem::lose_unsynced(const Path& directory) {
   for (const auto& entry : std::filesystem::directory_iterator(directory)) {
     const auto unsynced = unsynced_from_.find(inode_of(entry.path()));
-    if (unsynced != unsynced_from_.end()) std::filesystem::resize_file(entry.path(), unsynced->second);
+    if (unsynced != unsynced_from_.end())
+      std::filesystem::resize_file(entry.path(), unsynced->second);
   }
   for (auto undo = undo_.rbegin(); undo != undo_.rend(); ++undo) undo->action();
   undo_.clear();
@@ -125,8 +127,12 @@ void FaultyFileSystem::create_directory(const Path& path) {
 std::unique_ptr<storage::ReadableFile> FaultyFileSystem::open(const Path& path) {
   return real_.open(path);
 }
-std::uint64_t FaultyFileSystem::size_bytes(const Path& path) { return real_.size_bytes(path); }
-bool FaultyFileSystem::exists(const Path& path) { return real_.exists(path); }
+std::uint64_t FaultyFileSystem::size_bytes(const Path& path) {
+  return real_.size_bytes(path);
+}
+bool FaultyFileSystem::exists(const Path& path) {
+  return real_.exists(path);
+}
 std::vector<std::string> FaultyFileSystem::list(const Path& directory) {
   return real_.list(directory);
 }

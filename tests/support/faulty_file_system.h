@@ -1,7 +1,8 @@
 // The real file system with a fault at a chosen operation: a disk that is full, or a machine that
 // stops. Of a write in progress half arrives: a torn write. lose_unsynced() then throws away
-// everything that was not made durable: bytes behind the last sync of a file, and creations, renames
-// and removals in directories that were not synced since. Without that call all of it survives.
+// everything that was not made durable: bytes behind the last sync of a file, and creations,
+// renames and removals in directories that were not synced since. Without that call all of it
+// survives.
 #pragma once
 
 #include <functional>
@@ -17,8 +18,8 @@ class FaultyFileSystem : public storage::FileSystem {
  public:
   enum class Fault { none, disk_full, power_cut };
 
-  // The fault strikes at mutating operation number `at` (from 0); all later ones fail too. `scratch`
-  // is a directory on the same disk for what may have to be brought back.
+  // The fault strikes at mutating operation number `at` (from 0); all later ones fail too.
+  // `scratch` is a directory on the same disk for what may have to be brought back.
   FaultyFileSystem(Fault fault, std::uint64_t at, storage::Path scratch);
 
   std::uint64_t operation_count() const { return operations_; }
@@ -37,7 +38,8 @@ class FaultyFileSystem : public storage::FileSystem {
   void sync_directory(const storage::Path& path) override;
 
   // For the files it hands out.
-  void append(storage::WritableFile& file, const storage::Path& path, std::span<const std::byte> bytes);
+  void append(storage::WritableFile& file, const storage::Path& path,
+              std::span<const std::byte> bytes);
   void sync(storage::WritableFile& file, const storage::Path& path);
 
  private:

@@ -22,13 +22,16 @@ void read_attributes(hid_t object, const std::string& path, StoredResult& out) {
   H5O_info_t info;
   H5Oget_info2(object, &info, H5O_INFO_NUM_ATTRS);
   for (hsize_t i = 0; i < info.num_attrs; ++i) {
-    const hid_t attribute = H5Aopen_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, H5P_DEFAULT, H5P_DEFAULT);
+    const hid_t attribute =
+        H5Aopen_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, H5P_DEFAULT, H5P_DEFAULT);
     char name[256];
     H5Aget_name(attribute, sizeof name, name);
     const hid_t type = H5Aget_type(attribute);
     const std::string key = path + "@" + name;
-    if (H5Tget_class(type) == H5T_STRING) out.texts[key] = read_text(attribute, type);
-    else H5Aread(attribute, H5T_NATIVE_DOUBLE, &out.numbers[key]);
+    if (H5Tget_class(type) == H5T_STRING)
+      out.texts[key] = read_text(attribute, type);
+    else
+      H5Aread(attribute, H5T_NATIVE_DOUBLE, &out.numbers[key]);
     H5Tclose(type);
     H5Aclose(attribute);
   }
@@ -45,7 +48,8 @@ StoredDataset read_dataset(hid_t dataset) {
   out.extents.assign(extents.begin(), extents.end());
   if (out.has_data) {
     out.bytes.resize(H5Sget_simple_extent_npoints(space) * H5Tget_size(type));
-    if (!out.bytes.empty() && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out.bytes.data()) < 0)
+    if (!out.bytes.empty() &&
+        H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out.bytes.data()) < 0)
       throw std::runtime_error("unreadable dataset");
   }
   H5Sclose(space);

@@ -15,7 +15,7 @@ struct StoredDataset {
   std::string units;  // "" when there is no such attribute
   std::vector<std::byte> bytes;
   std::vector<unsigned long long> extents;  // empty: scalar
-  bool has_data = true;                      // false: null dataspace
+  bool has_data = true;                     // false: null dataspace
 
   template <typename T>
   std::vector<T> as() const {
@@ -26,9 +26,9 @@ struct StoredDataset {
 };
 
 struct StoredResult {
-  std::map<std::string, StoredDataset> datasets;            // by every path that leads to one
-  std::map<std::string, std::string> texts;                 // "path@attribute"
-  std::map<std::string, double> numbers;                    // "path@attribute"
+  std::map<std::string, StoredDataset> datasets;  // by every path that leads to one
+  std::map<std::string, std::string> texts;       // "path@attribute"
+  std::map<std::string, double> numbers;          // "path@attribute"
 
   std::map<std::string, StoredDataset> below(const std::string& prefix) const;
 };

@@ -15,7 +15,9 @@ storage::Frame sample_frame(std::uint64_t index) {
   const double x = static_cast<double>(index);
   const Doubles position = {x, 2, 3, 4, 5, 6};
   const std::vector<float> radius(3, 0.005f);
-  return {index, 0.25 * x, "rotation",
+  return {index,
+          0.25 * x,
+          "rotation",
           {core::make_column<double>("position_m", "m", position, 2),
            core::make_column<float>("radius_m", "m", radius)}};
 }
@@ -31,17 +33,27 @@ storage::ResultContent sample_content() {
                                 {"f4_m", "m", {}, {}, "nothing landed"}};
   content.observation.series = {
       {"remaining", {column("time_s", "s", {0, 1}), column("remaining_percent", "%", {100, 40})}}};
-  content.observation.fields = {{"surface", {column("streamwise_m_per_s", "m/s", {1, std::nan("")})}}};
+  content.observation.fields = {
+      {"surface", {column("streamwise_m_per_s", "m/s", {1, std::nan("")})}}};
   content.observation.effect_evaluations = {{"gas", 0}};
-  content.replicates = {{7, "aa", {{"f1_m", "m", 1.5, {}, ""}}}, {99, "bb", {{"f1_m", "m", 2.5, {}, ""}}}};
+  content.replicates = {{7, "aa", {{"f1_m", "m", 1.5, {}, ""}}},
+                        {99, "bb", {{"f1_m", "m", 2.5, {}, ""}}}};
   core::EnergyLedger ledger;
   ledger.kinetic_j = 1;
   ledger[core::EnergyChannel::friction] = -2;
   ledger.throughput_j = 2;
   content.ledger = ledger;
   content.effects = {{"gas", false, 0.023, 0.05, {}, "St is large", "auto"}};
-  content.provenance = {"1.0", "avx2", "mill", "2026-11-22T05:00:00Z", "key", "hash", 2,
-                        {{"wall_s", 1.25}}, {{"seed", "7", "user", ""}}, {"beware"}};
+  content.provenance = {"1.0",
+                        "avx2",
+                        "mill",
+                        "2026-11-22T05:00:00Z",
+                        "key",
+                        "hash",
+                        2,
+                        {{"wall_s", 1.25}},
+                        {{"seed", "7", "user", ""}},
+                        {"beware"}};
   return content;
 }
 

@@ -31,7 +31,8 @@ class TemporaryDirectory {
   static std::filesystem::path parent() {
     const std::filesystem::path memory = "/dev/shm";
     const bool chosen = std::getenv("TMPDIR") != nullptr;
-    return !chosen && access(memory.c_str(), W_OK) == 0 ? memory : std::filesystem::temp_directory_path();
+    return !chosen && access(memory.c_str(), W_OK) == 0 ? memory
+                                                        : std::filesystem::temp_directory_path();
   }
   std::filesystem::path path_;
 };

@@ -7,5 +7,6 @@
 int main(int argc, char** argv) {
   if (argc < 2) return 2;
   const pid_t parent = argc > 2 ? std::atoi(argv[2]) : 0;
-  return granary::run::run_engine_process(argv[1], parent, {granary::testing::toy_factory(), "toy"});
+  return granary::run::run_engine_process(argv[1], parent,
+                                          {granary::testing::toy_factory(), "toy"});
 }

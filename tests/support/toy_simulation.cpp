@@ -64,9 +64,12 @@ v1::Scene toy_scene(const std::string& knobs) {
 
 ToySimulation::ToySimulation(const ToyOptions& options, const core::State* filling)
     : options_(options),
-      filling_steps_(static_cast<std::uint64_t>(std::lround(options.filling_s / options.time_step_s))),
-      position_m_(2 * options.count), velocity_m_per_s_(2 * options.count),
-      radius_m_(options.count, 0.005), id_(options.count) {
+      filling_steps_(
+          static_cast<std::uint64_t>(std::lround(options.filling_s / options.time_step_s))),
+      position_m_(2 * options.count),
+      velocity_m_per_s_(2 * options.count),
+      radius_m_(options.count, 0.005),
+      id_(options.count) {
   for (std::size_t i = 0; i < options.count; ++i) {
     id_[i] = static_cast<std::int64_t>(i);
     position_m_[2 * i] = 0.1 * core::random_uniform(options.seed, 0, i);
@@ -91,7 +94,8 @@ double ToySimulation::energy_j() const {
   double previous = 0;
   for (std::size_t i = 0; i < options_.count; ++i) {
     const double stretch = position_m_[2 * i] - previous;
-    energy += 0.5 * kStiffness * stretch * stretch + 0.5 * velocity_m_per_s_[2 * i] * velocity_m_per_s_[2 * i];
+    energy += 0.5 * kStiffness * stretch * stretch +
+              0.5 * velocity_m_per_s_[2 * i] * velocity_m_per_s_[2 * i];
     previous = position_m_[2 * i];
   }
   return energy + 0.5 * kStiffness * previous * previous;
@@ -222,9 +226,13 @@ void ToySimulation::restore(const core::State& state) {
   std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::uint8_t*>(&ledger_));
 }
 
-std::optional<core::State> ToySimulation::stored_filling() const { return filling_; }
+std::optional<core::State> ToySimulation::stored_filling() const {
+  return filling_;
+}
 
-std::vector<core::PhaseSeconds> ToySimulation::profile() const { return {{"springs", 1e-6}}; }
+std::vector<core::PhaseSeconds> ToySimulation::profile() const {
+  return {{"springs", 1e-6}};
+}
 
 run::SimulationFactory toy_factory() {
   return [](const v1::Scene& scene, const core::State* filling) {

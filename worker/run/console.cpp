@@ -60,8 +60,10 @@ void print_table(const v1::Result& result) {
   const std::map<std::string, v1::Quantity> values(result.values().begin(), result.values().end());
   for (const auto& [name, quantity] : values) {
     std::printf("%-28s ", name.c_str());
-    if (quantity.has_value()) std::printf("%.6g", quantity.value());
-    else std::printf("unknown");
+    if (quantity.has_value())
+      std::printf("%.6g", quantity.value());
+    else
+      std::printf("unknown");
     if (quantity.has_error()) std::printf(" +- %.2g", quantity.error());
     if (quantity.unit() != "1") std::printf(" %s", quantity.unit().c_str());
     if (!quantity.has_error()) std::printf("  (%s)", quantity.error_basis().c_str());
@@ -93,12 +95,17 @@ void print_profile(const TaskOutcome& outcome) {
 
 ExitCode exit_code_of(v1::TaskFinished::Outcome outcome) {
   switch (outcome) {
-    case v1::TaskFinished::COMPLETE: return ExitCode::ok;
-    case v1::TaskFinished::UNSTABLE: return ExitCode::unstable;
+    case v1::TaskFinished::COMPLETE:
+      return ExitCode::ok;
+    case v1::TaskFinished::UNSTABLE:
+      return ExitCode::unstable;
     case v1::TaskFinished::CANCELLED:
-    case v1::TaskFinished::RELEASED: return ExitCode::interrupted;
-    case v1::TaskFinished::TIMED_OUT: return ExitCode::timed_out;
-    default: return ExitCode::job_failed;
+    case v1::TaskFinished::RELEASED:
+      return ExitCode::interrupted;
+    case v1::TaskFinished::TIMED_OUT:
+      return ExitCode::timed_out;
+    default:
+      return ExitCode::job_failed;
   }
 }
 
@@ -122,8 +129,10 @@ void print_outcome(const ConsoleOptions& options, const TaskOutcome& outcome) {
   if (!has_values(outcome)) return;
   for (const std::string& warning : outcome.result.warnings())
     std::cerr << "warning: " << warning << '\n';
-  if (options.json) std::cout << values_json(response_of(options, outcome)) << std::endl;
-  else if (outcome.outcome == v1::TaskFinished::COMPLETE) print_table(outcome.result);
+  if (options.json)
+    std::cout << values_json(response_of(options, outcome)) << std::endl;
+  else if (outcome.outcome == v1::TaskFinished::COMPLETE)
+    print_table(outcome.result);
   std::fflush(stdout);
 }
 

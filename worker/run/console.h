@@ -12,7 +12,7 @@
 namespace granary::run {
 
 struct ConsoleOptions {
-  std::string scene_file;  // "-" reads stdin
+  std::string scene_file;                                     // "-" reads stdin
   std::vector<std::pair<std::string, std::string>> settings;  // --set path=value
   std::string output_file;  // HDF5 result; empty: nothing is stored
   bool json = false;        // else a table
@@ -21,8 +21,8 @@ struct ConsoleOptions {
   bool quiet = false;    // no progress
 };
 
-// Runs it and returns the exit code of PRODUCT section 2. Interrupted with an output file it leaves a
-// checkpoint in OUTPUT.parts/, and the same command goes on from there.
+// Runs it and returns the exit code of PRODUCT section 2. Interrupted with an output file it leaves
+// a checkpoint in OUTPUT.parts/, and the same command goes on from there.
 int run_console(const ConsoleOptions& options, const EngineBuild& build);
 
 // `granary-worker --verify FILE`: what is wrong with it on stderr, exit code 0 or 9.

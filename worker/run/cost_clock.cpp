@@ -14,8 +14,12 @@ double clock_s(clockid_t clock) {
 
 }  // namespace
 
-double wall_now_s() { return clock_s(CLOCK_MONOTONIC); }
-double process_cpu_s() { return clock_s(CLOCK_PROCESS_CPUTIME_ID); }
+double wall_now_s() {
+  return clock_s(CLOCK_MONOTONIC);
+}
+double process_cpu_s() {
+  return clock_s(CLOCK_PROCESS_CPUTIME_ID);
+}
 
 std::uint64_t peak_rss_bytes() {
   rusage usage{};

@@ -5,9 +5,9 @@
 
 namespace granary::run {
 
-double wall_now_s();              // monotonic
-double process_cpu_s();           // user + system of every thread, since the process started
-std::uint64_t peak_rss_bytes();   // of the process so far
+double wall_now_s();             // monotonic
+double process_cpu_s();          // user + system of every thread, since the process started
+std::uint64_t peak_rss_bytes();  // of the process so far
 
 // Seconds between construction and now.
 class CostTimer {

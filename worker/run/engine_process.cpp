@@ -19,8 +19,8 @@
 namespace granary::run {
 namespace {
 
-constexpr int kExitNoTask = 2;      // DIR/task.pb is missing or unreadable
-constexpr int kExitNoOutcome = 1;   // DIR/finished.pb could not be written
+constexpr int kExitNoTask = 2;                  // DIR/task.pb is missing or unreadable
+constexpr int kExitNoOutcome = 1;               // DIR/finished.pb could not be written
 constexpr std::size_t kAtomicPipeBytes = 4096;  // PIPE_BUF: a write up to this is never torn
 
 // Dies with its parent. The kernel sends the signal when the *thread* that forked ends, so a parent

@@ -1,8 +1,8 @@
-// When frames are taken: at multiples of an interval of simulated time in the main phase (time >= 0;
-// filling runs at negative time), plus the final state. A count of frames covers the main phase: what
-// an engine computes after its end time (grains flying on to where they land) gets frames only when
-// the scene names an interval. Depends on nothing but the scene and the engine's clock, so a resumed
-// run takes the same frames.
+// When frames are taken: at multiples of an interval of simulated time in the main phase (time >=
+// 0; filling runs at negative time), plus the final state. A count of frames covers the main phase:
+// what an engine computes after its end time (grains flying on to where they land) gets frames only
+// when the scene names an interval. Depends on nothing but the scene and the engine's clock, so a
+// resumed run takes the same frames.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,8 @@ class FrameSchedule {
 
   explicit FrameSchedule(const v1::Output& output) : output_(output) {}
 
-  // To be called after every chunk. At the start of the main phase the interval is fixed: the end of
-  // the run may only be known then (a rotation rate that follows from the filling).
+  // To be called after every chunk. At the start of the main phase the interval is fixed: the end
+  // of the run may only be known then (a rotation rate that follows from the filling).
   void update(double time_s, double end_time_s);
   bool due(double time_s) const;
   // The engine is not to run past this time before asking again; infinity when there is none.

@@ -1,14 +1,14 @@
-// How long things may take, as pure arithmetic on a clock that is handed in: chunks, progress events
-// and checkpoints. None of it can change a result.
+// How long things may take, as pure arithmetic on a clock that is handed in: chunks, progress
+// events and checkpoints. None of it can change a result.
 #pragma once
 
 #include <cstdint>
 
 namespace granary::run {
 
-constexpr double kChunkSeconds = 0.05;             // stop requests are obeyed within two of these
-constexpr double kProgressIntervalSeconds = 0.1;   // at most ten events a second
-constexpr double kCheckpointCostShare = 0.02;      // of the run, at most
+constexpr double kChunkSeconds = 0.05;            // stop requests are obeyed within two of these
+constexpr double kProgressIntervalSeconds = 0.1;  // at most ten events a second
+constexpr double kCheckpointCostShare = 0.02;     // of the run, at most
 
 // Steps per chunk so that one takes about kChunkSeconds. Grows at most twofold a chunk, because the
 // next phase may be slower than this one.
@@ -32,7 +32,8 @@ class ProgressPacer {
 
 class CheckpointPacer {
  public:
-  CheckpointPacer(double interval_s, double now_s) : interval_s_(interval_s), next_s_(now_s + interval_s) {}
+  CheckpointPacer(double interval_s, double now_s)
+      : interval_s_(interval_s), next_s_(now_s + interval_s) {}
   bool due(double now_s) const { return now_s >= next_s_; }
   // A checkpoint that took `cost_s` is followed by another no sooner than its share of time allows;
   // an interval of 0 means after every chunk, whatever it costs.

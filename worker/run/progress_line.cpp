@@ -48,12 +48,12 @@ std::string progress_text(const v1::Progress& progress) {
     text += format("  %.3g ns/particle-step", progress.ns_per_particle_step());
   if (progress.replicates() > 1)
     text += format("  replicate %u of %u", progress.replicate() + 1, progress.replicates());
-  if (progress.eta_s() > 0)
-    text += "  " + duration_text(progress.eta_s()) + " left";
+  if (progress.eta_s() > 0) text += "  " + duration_text(progress.eta_s()) + " left";
   return text;
 }
 
-ProgressLine::ProgressLine(bool enabled) : enabled_(enabled), terminal_(isatty(STDERR_FILENO) == 1) {}
+ProgressLine::ProgressLine(bool enabled)
+    : enabled_(enabled), terminal_(isatty(STDERR_FILENO) == 1) {}
 
 void ProgressLine::show(const v1::Progress& progress) {
   if (!enabled_) return;

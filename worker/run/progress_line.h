@@ -20,8 +20,8 @@ class ProgressLine {
  private:
   bool enabled_;
   bool terminal_;
-  std::size_t width_ = 0;       // of the text on the terminal now
-  double next_fraction_ = 0;    // plain lines: one per 10 %
+  std::size_t width_ = 0;     // of the text on the terminal now
+  double next_fraction_ = 0;  // plain lines: one per 10 %
 };
 
 }  // namespace granary::run

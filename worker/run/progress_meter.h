@@ -11,7 +11,8 @@ namespace granary::run {
 
 class ProgressMeter {
  public:
-  ProgressMeter(std::uint32_t replicates, double now_s) : replicates_(replicates), start_s_(now_s) {}
+  ProgressMeter(std::uint32_t replicates, double now_s)
+      : replicates_(replicates), start_s_(now_s) {}
 
   bool due(double now_s) const { return pacer_.due(now_s); }
   // `engine_seconds` and `particle_steps` are of this attempt: their ratio is the speed shown.

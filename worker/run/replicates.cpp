@@ -25,7 +25,8 @@ core::ObservedValue combine_value(const core::ObservedValue& first,
   const std::string count = std::to_string(replicates.size());
   core::ObservedValue combined{first.name, first.unit, {}, {}, ""};
   if (samples.size() < replicates.size()) {
-    combined.error_basis = "known in " + std::to_string(samples.size()) + " of " + count + " replicates";
+    combined.error_basis =
+        "known in " + std::to_string(samples.size()) + " of " + count + " replicates";
     return combined;
   }
   const auto interval = mean_with_interval(samples);
@@ -60,7 +61,8 @@ std::string combine_state_hashes(const std::vector<FinishedReplicate>& replicate
   if (replicates.size() == 1) return replicates.front().state_hash;
   std::string all;
   for (const FinishedReplicate& replicate : replicates) all += replicate.state_hash;
-  const core::ColumnView view{"state_hashes", "1", core::ElementType::u8, all.size(), 1, all.data()};
+  const core::ColumnView view{"state_hashes", "1", core::ElementType::u8,
+                              all.size(),     1,   all.data()};
   return core::hash_columns(std::span(&view, 1));
 }
 

@@ -10,8 +10,8 @@ namespace granary::run {
 
 // What is known when the run has ended, well or not.
 struct RunReport {
-  std::string state = "complete";  // or "unstable"
-  std::string message;             // why it is unstable
+  std::string state = "complete";           // or "unstable"
+  std::string message;                      // why it is unstable
   std::vector<core::ObservedValue> values;  // combined over replicates; empty when unstable
   std::string state_hash;
   core::EnergyLedger ledger;

@@ -7,8 +7,8 @@ namespace granary::run {
 namespace {
 
 using storage::ByteReader;
-using storage::ByteWriter;
 using storage::Bytes;
+using storage::ByteWriter;
 
 template <typename T>
 void put_record(ByteWriter& out, const T& record) {

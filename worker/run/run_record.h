@@ -1,6 +1,6 @@
-// What the run layer itself must remember across a kill: finished replicates, the frame schedule and
-// the price so far. Goes into checkpoints as bytes beside the engine's snapshot; a checkpoint of
-// another engine version is refused before they are read, so they carry no version of their own.
+// What the run layer itself must remember across a kill: finished replicates, the frame schedule
+// and the price so far. Goes into checkpoints as bytes beside the engine's snapshot; a checkpoint
+// of another engine version is refused before they are read, so they carry no version of their own.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace granary::run {
 // Sums over all replicates and attempts, except the engine's own counters of the current replicate.
 struct RunCosts {
   double wall_s = 0;
-  double cpu_s = 0;         // whole process: engine, output, checkpoints
+  double cpu_s = 0;          // whole process: engine, output, checkpoints
   double engine_wall_s = 0;  // inside advance() only
   double engine_cpu_s = 0;
   double reused_s = 0;  // CPU seconds of a stored filling

@@ -11,7 +11,8 @@ namespace {
 storage::RunIdentity identity_of(const TaskSpec& spec) {
   v1::Scene output_only;
   *output_only.mutable_output() = spec.scene.output();
-  return {spec.scene_key + '\n' + scene_to_text(output_only), spec.engine_version, spec.vector_path};
+  return {spec.scene_key + '\n' + scene_to_text(output_only), spec.engine_version,
+          spec.vector_path};
 }
 
 storage::RunIdentity filling_identity(const TaskSpec& spec) {
@@ -21,9 +22,13 @@ storage::RunIdentity filling_identity(const TaskSpec& spec) {
 }  // namespace
 
 RunStorage::RunStorage(storage::FileSystem& files, const TaskSpec& spec, Log log)
-    : files_(files), active_(!spec.result_path.empty()), result_path_(spec.result_path),
-      directory_(spec.work_directory), identity_(identity_of(spec)),
-      frames_(files, directory_, identity_, scene_to_text(spec.scene)), log_(std::move(log)) {
+    : files_(files),
+      active_(!spec.result_path.empty()),
+      result_path_(spec.result_path),
+      directory_(spec.work_directory),
+      identity_(identity_of(spec)),
+      frames_(files, directory_, identity_, scene_to_text(spec.scene)),
+      log_(std::move(log)) {
   if (active_) files_.create_directory(directory_);
 }
 

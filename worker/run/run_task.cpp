@@ -25,8 +25,13 @@ class TaskRun {
  public:
   TaskRun(const TaskSpec& spec, const SimulationFactory& factory, const TaskCallbacks& callbacks,
           const StopSignal& stop, storage::FileSystem& files)
-      : spec_(spec), factory_(factory), callbacks_(callbacks), stop_(stop), files_(files),
-        storage_(files, spec, callbacks.log), frames_(spec.scene.output(), storage_),
+      : spec_(spec),
+        factory_(factory),
+        callbacks_(callbacks),
+        stop_(stop),
+        files_(files),
+        storage_(files, spec, callbacks.log),
+        frames_(spec.scene.output(), storage_),
         checkpoints_(spec.checkpoint_interval_s, wall_now_s()),
         meter_(replicate_count(), wall_now_s()) {}
 
@@ -94,9 +99,12 @@ class TaskRun {
       if (checkpoints_.due(wall_now_s())) save_checkpoint();
       if (meter_.due(wall_now_s())) report_progress();
       switch (engine_->advance(limit_s())) {
-        case core::AdvanceStatus::advanced: break;
-        case core::AdvanceStatus::finished: return close_replicate();
-        case core::AdvanceStatus::rejected: return Ending::rejected;
+        case core::AdvanceStatus::advanced:
+          break;
+        case core::AdvanceStatus::finished:
+          return close_replicate();
+        case core::AdvanceStatus::rejected:
+          return Ending::rejected;
       }
       keep_filling();
     }
@@ -108,9 +116,12 @@ class TaskRun {
 
   std::optional<Ending> stop_asked_for() const {
     switch (stop_.load(std::memory_order_relaxed)) {
-      case StopRequest::cancel: return Ending::cancelled;
-      case StopRequest::release: return Ending::released;
-      case StopRequest::none: break;
+      case StopRequest::cancel:
+        return Ending::cancelled;
+      case StopRequest::release:
+        return Ending::released;
+      case StopRequest::none:
+        break;
     }
     const bool late = spec_.time_limit_s > 0 && costs_so_far().wall_s > spec_.time_limit_s;
     return late ? std::optional(Ending::timed_out) : std::nullopt;
@@ -131,8 +142,8 @@ class TaskRun {
     const auto withheld = withhold_non_finite(observation.values);
     observation.warnings.insert(observation.warnings.end(), withheld.begin(), withheld.end());
     record_.finished.push_back({replicate_seed(spec_.scene.seed(), replicate()),
-                                core::hash_columns(simulation.physical_state()),
-                                observation.values, simulation.ledger()});
+                                core::hash_columns(simulation.physical_state()), observation.values,
+                                simulation.ledger()});
     if (record_.finished.size() == 1) record_.first = std::move(observation);
     fold_engine();
   }
@@ -149,8 +160,10 @@ class TaskRun {
   void add_phase(const core::PhaseSeconds& phase) {
     const auto known = std::find_if(profile_.begin(), profile_.end(),
                                     [&](const auto& other) { return other.phase == phase.phase; });
-    if (known == profile_.end()) profile_.push_back(phase);
-    else known->seconds += phase.seconds;
+    if (known == profile_.end())
+      profile_.push_back(phase);
+    else
+      known->seconds += phase.seconds;
   }
 
   // ---- on the way

@@ -20,7 +20,9 @@ std::optional<std::size_t> first_non_finite_of(const core::ColumnView& column) {
   return std::nullopt;
 }
 
-bool is_unusable(const std::optional<double>& number) { return number && !std::isfinite(*number); }
+bool is_unusable(const std::optional<double>& number) {
+  return number && !std::isfinite(*number);
+}
 
 }  // namespace
 
@@ -32,7 +34,8 @@ bool ledger_is_finite(const core::EnergyLedger& ledger) {
 std::optional<NonFinite> find_non_finite(std::span<const core::ColumnView> columns) {
   for (const core::ColumnView& column : columns)
     if (const auto element = first_non_finite_of(column))
-      return NonFinite{std::string(column.name), static_cast<std::int64_t>(*element / column.width)};
+      return NonFinite{std::string(column.name),
+                       static_cast<std::int64_t>(*element / column.width)};
   return std::nullopt;
 }
 

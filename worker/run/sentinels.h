@@ -1,4 +1,5 @@
-// Sentinels of the run layer, on top of the engines' own: no NaN and no infinity leaves as a result.
+// Sentinels of the run layer, on top of the engines' own: no NaN and no infinity leaves as a
+// result.
 #pragma once
 
 #include <optional>

@@ -23,7 +23,9 @@ void handle(int number) {
 
 }  // namespace
 
-StopSignal& stop_signal() { return the_signal; }
+StopSignal& stop_signal() {
+  return the_signal;
+}
 
 void listen_to_stop_signals(StopRequest on_interrupt, StopRequest on_terminate) {
   interrupt_request = on_interrupt;

@@ -23,7 +23,7 @@ using SimulationFactory = std::function<std::unique_ptr<core::Simulation>(
     const v1::Scene& scene, const core::State* filling)>;
 
 struct TaskSpec {
-  v1::Scene scene;  // resolved
+  v1::Scene scene;        // resolved
   std::string scene_key;  // hash of what decides the physics (job_key)
   std::string engine_version;
   std::string vector_path;  // "avx512", "avx2" or "portable"
@@ -32,8 +32,8 @@ struct TaskSpec {
   std::map<std::string, v1::EffectReport> effects;
   std::vector<std::string> warnings;
 
-  // Nothing is stored when `result_path` is empty. Segments and checkpoints live in `work_directory`
-  // and stay there until remove_run_files().
+  // Nothing is stored when `result_path` is empty. Segments and checkpoints live in
+  // `work_directory` and stay there until remove_run_files().
   storage::Path result_path;
   storage::Path work_directory;
   storage::Path filling_input;   // read if it exists and has the key

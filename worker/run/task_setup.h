@@ -15,8 +15,8 @@ struct EngineBuild {
   std::string vector_path;
 };
 
-// INVALID_ARGUMENT with the field path when the scene is not valid. Paths and limits are left to the
-// caller. GRANARY_CHECKPOINT_INTERVAL_S overrides the seconds between checkpoints.
+// INVALID_ARGUMENT with the field path when the scene is not valid. Paths and limits are left to
+// the caller. GRANARY_CHECKPOINT_INTERVAL_S overrides the seconds between checkpoints.
 Result<TaskSpec> make_task(const v1::Scene& submitted, const EngineBuild& build);
 
 }  // namespace granary::run

@@ -9,8 +9,11 @@
 namespace granary::run {
 
 WatchedEngine::WatchedEngine(std::unique_ptr<core::Simulation> simulation, RunCosts& costs)
-    : simulation_(std::move(simulation)), costs_(costs), now_(simulation_->progress()),
-      particle_steps_before_(now_.particle_steps), last_good_ledger_(simulation_->ledger()) {}
+    : simulation_(std::move(simulation)),
+      costs_(costs),
+      now_(simulation_->progress()),
+      particle_steps_before_(now_.particle_steps),
+      last_good_ledger_(simulation_->ledger()) {}
 
 core::AdvanceStatus WatchedEngine::advance(double limit_s) {
   const CostTimer timer;
@@ -19,7 +22,8 @@ core::AdvanceStatus WatchedEngine::advance(double limit_s) {
   if (outcome.status == core::AdvanceStatus::advanced && steps == 0)
     throw std::logic_error("the engine does not advance");
   if (outcome.status == core::AdvanceStatus::rejected) {
-    rejection_ = outcome.rejection.value_or(core::Rejection{now_.time_s, "no reason given", {}, ""});
+    rejection_ =
+        outcome.rejection.value_or(core::Rejection{now_.time_s, "no reason given", {}, ""});
     return outcome.status;
   }
   return energies_are_finite() ? outcome.status : core::AdvanceStatus::rejected;

@@ -20,7 +20,8 @@ constexpr std::uint32_t tag(const char (&text)[5]) {
   return value;
 }
 
-// `fill` appends the payload in place: an engine's snapshot can be large, a second copy is not made.
+// `fill` appends the payload in place: an engine's snapshot can be large, a second copy is not
+// made.
 template <typename Fill>
 void put_section(Bytes& out, std::uint32_t section_tag, Fill&& fill) {
   ByteWriter writer(out);
@@ -110,7 +111,8 @@ std::span<const std::byte> checked_body(const Bytes& bytes, const Path& path) {
   const std::span<const std::byte> all(bytes);
   const auto body = all.first(bytes.size() - kChecksumSectionBytes);
   const Bytes expected = checksum_section(body);
-  if (!std::equal(expected.begin(), expected.end(), all.last(kChecksumSectionBytes).begin())) throw damaged;
+  if (!std::equal(expected.begin(), expected.end(), all.last(kChecksumSectionBytes).begin()))
+    throw damaged;
   if (std::memcmp(body.data(), kMagic.data(), kMagic.size()) != 0) throw damaged;
   return body.subspan(kMagic.size());
 }

@@ -1,12 +1,12 @@
 // A checkpoint: everything a run needs to go on bitwise as if it had never stopped - the engine's
 // snapshot, the run layer's own counters and the list of sealed frame segments before it.
 //
-//   file     := "GRNCKP1\n", section *, u32 "CSUM", u32 0, u64 8, u64 XXH3-64 of all bytes before "CSUM"
-//   section  := u32 tag, u32 0, u64 payload bytes, payload
-//   "IDEN"   := text scene key, text engine version, text vector path
-//   "SEGM"   := u32 count, (text name, u32 index, u64 first frame, u64 frames, u64 bytes, u64 XXH3) *
-//   "RUNS"   := bytes of the run layer (worker/run/run_record.cpp)
-//   "ENGI"   := columns of the engine (column_codec.h; text = u32 length, bytes)
+//   file     := "GRNCKP1\n", section *, u32 "CSUM", u32 0, u64 8, u64 XXH3-64 of all bytes before
+//   "CSUM" section  := u32 tag, u32 0, u64 payload bytes, payload "IDEN"   := text scene key, text
+//   engine version, text vector path "SEGM"   := u32 count, (text name, u32 index, u64 first frame,
+//   u64 frames, u64 bytes, u64 XXH3) * "RUNS"   := bytes of the run layer
+//   (worker/run/run_record.cpp) "ENGI"   := columns of the engine (column_codec.h; text = u32
+//   length, bytes)
 //
 // In a run's directory the newest is `checkpoint`, the one before it `checkpoint.previous`: the old
 // one is never touched before the new one is durable.

@@ -28,7 +28,9 @@ RunningChecksum& RunningChecksum::operator=(RunningChecksum&&) noexcept = defaul
 void RunningChecksum::add(std::span<const std::byte> bytes) {
   XXH3_64bits_update(&state_->xxh3, bytes.data(), bytes.size());
 }
-std::uint64_t RunningChecksum::value() const { return XXH3_64bits_digest(&state_->xxh3); }
+std::uint64_t RunningChecksum::value() const {
+  return XXH3_64bits_digest(&state_->xxh3);
+}
 
 namespace {
 

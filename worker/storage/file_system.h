@@ -1,6 +1,7 @@
-// The thin seam between storage and the disk: only what durable, atomic files need, so that tests can
-// inject a full disk, a torn write or a power cut at any single operation. Every failure is a
-// StorageError. HDF5 does its own writes below this seam; its file is synced and renamed through it.
+// The thin seam between storage and the disk: only what durable, atomic files need, so that tests
+// can inject a full disk, a torn write or a power cut at any single operation. Every failure is a
+// StorageError. HDF5 does its own writes below this seam; its file is synced and renamed through
+// it.
 #pragma once
 
 #include <cstddef>

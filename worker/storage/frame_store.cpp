@@ -14,11 +14,15 @@ bool is_listed(const std::vector<SegmentInfo>& segments, const std::string& name
 
 }  // namespace
 
-bool is_segment_name(const std::string& name) { return name.starts_with("segment-"); }
+bool is_segment_name(const std::string& name) {
+  return name.starts_with("segment-");
+}
 
 FrameStore::FrameStore(FileSystem& files, Path directory, RunIdentity identity,
                        std::string scene_text)
-    : files_(files), directory_(std::move(directory)), identity_(std::move(identity)),
+    : files_(files),
+      directory_(std::move(directory)),
+      identity_(std::move(identity)),
       scene_text_(std::move(scene_text)) {}
 
 std::uint32_t FrameStore::next_index() const {
@@ -52,7 +56,9 @@ void FrameStore::restore(std::vector<SegmentInfo> segments) {
     if (is_segment_name(name) && !is_listed(sealed_, name)) files_.remove(directory_ / name);
 }
 
-void FrameStore::clear() { restore({}); }
+void FrameStore::clear() {
+  restore({});
+}
 
 void FrameStore::visit_segment(const std::string& name, const FrameVisitor& visit) {
   SegmentReader reader(files_, directory_ / name);

@@ -65,13 +65,20 @@ Handle space_of(const core::ColumnView& column) {
 
 hid_t file_type_of(core::ElementType type) {
   switch (type) {
-    case core::ElementType::f32: return H5T_IEEE_F32LE;
-    case core::ElementType::f64: return H5T_IEEE_F64LE;
-    case core::ElementType::i32: return H5T_STD_I32LE;
-    case core::ElementType::i64: return H5T_STD_I64LE;
-    case core::ElementType::u32: return H5T_STD_U32LE;
-    case core::ElementType::u64: return H5T_STD_U64LE;
-    case core::ElementType::u8: return H5T_STD_U8LE;
+    case core::ElementType::f32:
+      return H5T_IEEE_F32LE;
+    case core::ElementType::f64:
+      return H5T_IEEE_F64LE;
+    case core::ElementType::i32:
+      return H5T_STD_I32LE;
+    case core::ElementType::i64:
+      return H5T_STD_I64LE;
+    case core::ElementType::u32:
+      return H5T_STD_U32LE;
+    case core::ElementType::u64:
+      return H5T_STD_U64LE;
+    case core::ElementType::u8:
+      return H5T_STD_U8LE;
   }
   return -1;
 }
@@ -94,16 +101,18 @@ Handle FileWriter::open_new_group(const std::string& path) {
                 "create group " + path);
 }
 
-void FileWriter::create_group(const std::string& path) { open_new_group(path); }
+void FileWriter::create_group(const std::string& path) {
+  open_new_group(path);
+}
 
 void FileWriter::write_dataset(hid_t place, const std::string& name, const std::string& path,
                                hid_t type, hid_t space, std::string_view unit,
                                std::span<const std::byte> bytes) {
   if (unit.empty()) unit = "1";
   {
-    Handle dataset(H5Dcreate2(place, name.c_str(), type, space, H5P_DEFAULT, dataset_options_,
-                              H5P_DEFAULT),
-                   H5Dclose, "create " + path);
+    Handle dataset(
+        H5Dcreate2(place, name.c_str(), type, space, H5P_DEFAULT, dataset_options_, H5P_DEFAULT),
+        H5Dclose, "create " + path);
     if (!bytes.empty())
       check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), "write " + path);
     const Handle attribute(
@@ -146,7 +155,8 @@ void FileWriter::write_text(const std::string& path, std::string_view text) {
   std::string stored(text);
   if (stored.empty()) stored.push_back('\0');  // HDF5 has no text of length 0
   const Handle type = fixed_text_type(stored.size());
-  write_dataset(file_, path, path, type, scalar_space_, kTextUnit, std::as_bytes(std::span(stored)));
+  write_dataset(file_, path, path, type, scalar_space_, kTextUnit,
+                std::as_bytes(std::span(stored)));
 }
 
 void FileWriter::write_texts(const std::string& path, std::span<const std::string> texts) {
@@ -157,7 +167,8 @@ void FileWriter::write_texts(const std::string& path, std::span<const std::strin
     std::memcpy(stored.data() + i * longest, texts[i].data(), texts[i].size());
   const hsize_t rows = texts.size();
   const Handle type = fixed_text_type(longest);
-  write_dataset(file_, path, path, type, simple_space({&rows, 1}), kTextUnit, std::as_bytes(std::span(stored)));
+  write_dataset(file_, path, path, type, simple_space({&rows, 1}), kTextUnit,
+                std::as_bytes(std::span(stored)));
 }
 
 void FileWriter::link_in(hid_t group, const std::string& existing_path, const std::string& name) {

@@ -41,7 +41,7 @@ class FileWriter {
 
  private:
   // `name` below `place`; `path` is its full path.
-  void write_dataset(hid_t place, const std::string& name, const std::string& path, hid_t type, 
+  void write_dataset(hid_t place, const std::string& name, const std::string& path, hid_t type,
                      hid_t space, std::string_view unit, std::span<const std::byte> bytes);
   void write_checksums();
 

@@ -32,8 +32,8 @@ void throw_last_error(const std::string& doing) {
 }
 
 void prepare_library() {
-  // A file whose close failed (disk full) stays half open inside the library, and its clean-up at exit
-  // then crashes. Every handle is closed here, so there is nothing to clean up.
+  // A file whose close failed (disk full) stays half open inside the library, and its clean-up at
+  // exit then crashes. Every handle is closed here, so there is nothing to clean up.
   static const herr_t once = H5dont_atexit();
   (void)once;
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

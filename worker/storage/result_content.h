@@ -1,4 +1,5 @@
-// What a result file holds besides its frames, as plain data: storage knows no scenes and no physics.
+// What a result file holds besides its frames, as plain data: storage knows no scenes and no
+// physics.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +16,7 @@ namespace granary::storage {
 struct EffectContent {
   std::string name;
   bool on = false;
-  std::optional<double> number;         // dimensionless, decides on/off
+  std::optional<double> number;  // dimensionless, decides on/off
   std::optional<double> threshold;
   std::optional<double> omitted_error;  // relative
   std::string reason;
@@ -50,9 +51,9 @@ struct ProvenanceContent {
 };
 
 struct ResultContent {
-  std::string kind;   // "discharge" or "chute"
-  std::string state;  // "complete", "unstable" or "partial"
-  std::string message;  // why it is not complete
+  std::string kind;        // "discharge" or "chute"
+  std::string state;       // "complete", "unstable" or "partial"
+  std::string message;     // why it is not complete
   std::string scene_text;  // resolved scene, protobuf text format
   core::Observation observation;
   std::vector<ReplicateContent> replicates;  // empty for a single run

@@ -20,8 +20,10 @@ void write_values(hdf5::FileWriter& file, const std::string& group,
   file.create_group(group);
   for (const core::ObservedValue& observed : values) {
     const std::string path = group + "/" + observed.name;
-    if (observed.value) file.write_scalar(path, observed.unit, *observed.value);
-    else file.write_unknown(path, observed.unit);
+    if (observed.value)
+      file.write_scalar(path, observed.unit, *observed.value);
+    else
+      file.write_unknown(path, observed.unit);
     if (observed.error) file.set_attribute(path, "error", *observed.error);
     file.set_attribute(path, "error_basis", observed.error_basis);
   }
@@ -98,13 +100,15 @@ void write_provenance(hdf5::FileWriter& file, const ProvenanceContent& provenanc
   const std::string group = "/provenance";
   file.create_group(group);
   const std::pair<const char*, const std::string&> texts[] = {
-      {"engine_version", provenance.engine_version}, {"vector_path", provenance.vector_path},
-      {"host", provenance.host},                     {"date_utc", provenance.date_utc},
-      {"scene_key", provenance.scene_key},           {"state_hash", provenance.state_hash}};
+      {"engine_version", provenance.engine_version},
+      {"vector_path", provenance.vector_path},
+      {"host", provenance.host},
+      {"date_utc", provenance.date_utc},
+      {"scene_key", provenance.scene_key},
+      {"state_hash", provenance.state_hash}};
   for (const auto& [name, text] : texts) file.set_attribute(group, name, text);
   file.set_attribute(group, "threads", static_cast<std::uint64_t>(provenance.threads));
-  for (const auto& [name, value] : provenance.costs)
-    file.set_attribute(group, name.c_str(), value);
+  for (const auto& [name, value] : provenance.costs) file.set_attribute(group, name.c_str(), value);
   write_decisions(file, provenance.decisions);
   file.write_texts(group + "/warnings", provenance.warnings);
 }
@@ -113,7 +117,9 @@ void write_provenance(hdf5::FileWriter& file, const ProvenanceContent& provenanc
 
 struct ResultWriter::Impl {
   Impl(FileSystem& the_files, Path the_path)
-      : files(the_files), path(std::move(the_path)), temporary(path.string() + ".tmp"),
+      : files(the_files),
+        path(std::move(the_path)),
+        temporary(path.string() + ".tmp"),
         file(std::make_unique<hdf5::FileWriter>(temporary)) {
     file->create_group("/frames");
   }
@@ -157,7 +163,8 @@ ResultWriter::~ResultWriter() {
   try {
     impl_->files.remove(impl_->temporary);
   } catch (const StorageError&) {
-    // The failure that brought us here is already on its way; a leftover .tmp is overwritten next time.
+    // The failure that brought us here is already on its way; a leftover .tmp is overwritten next
+    // time.
   }
 }
 

@@ -1,5 +1,5 @@
-// Writes one result file: everything goes to `<path>.tmp`, and only a complete, closed and synced file
-// gets its name. The layout is a public format: worker/storage/README.md.
+// Writes one result file: everything goes to `<path>.tmp`, and only a complete, closed and synced
+// file gets its name. The layout is a public format: worker/storage/README.md.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
-// Makes a result file of what an unfinished run left behind, when nobody is going to resume it: every
-// intact frame of every segment, with the scene they belong to, and no values.
+// Makes a result file of what an unfinished run left behind, when nobody is going to resume it:
+// every intact frame of every segment, with the scene they belong to, and no values.
 #pragma once
 
 #include <cstdint>

@@ -52,7 +52,9 @@ std::string numbered_name(std::uint32_t segment_index, const char* suffix) {
 
 }  // namespace
 
-std::string segment_name(std::uint32_t segment_index) { return numbered_name(segment_index, ""); }
+std::string segment_name(std::uint32_t segment_index) {
+  return numbered_name(segment_index, "");
+}
 std::string open_segment_name(std::uint32_t segment_index) {
   return numbered_name(segment_index, ".open");
 }
@@ -72,7 +74,9 @@ SegmentWriter::SegmentWriter(FileSystem& files, Path directory, const SegmentAbo
   end_record();
 }
 
-void SegmentWriter::begin_record() { record_.assign(kRecordHeaderBytes, std::byte{0}); }
+void SegmentWriter::begin_record() {
+  record_.assign(kRecordHeaderBytes, std::byte{0});
+}
 
 // Fills in the header that begin_record() left room for, and hands everything over in one write.
 void SegmentWriter::end_record() {
@@ -137,7 +141,9 @@ bool SegmentReader::read_record() {
   return true;
 }
 
-bool SegmentReader::skip() { return read_record(); }
+bool SegmentReader::skip() {
+  return read_record();
+}
 
 std::optional<Frame> SegmentReader::next() {
   if (!read_record()) return std::nullopt;

@@ -82,7 +82,7 @@ class SegmentReader {
   const SegmentAbout& about() const { return about_; }
   // The next intact frame; nullopt at the end and at the first damaged record.
   std::optional<Frame> next();
-  bool skip();  // as next(), without decoding it
+  bool skip();                         // as next(), without decoding it
   bool torn() const { return torn_; }  // stopped before the end of the file
   std::uint64_t checksum() const { return checksum_.value(); }  // of the records read so far
 

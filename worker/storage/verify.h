@@ -1,6 +1,6 @@
-// Is this result file whole? Opens it and walks through it: every dataset has units and the checksum
-// of its bytes as written, no value, energy or frame holds a NaN or an infinity, nothing was added or
-// lost.
+// Is this result file whole? Opens it and walks through it: every dataset has units and the
+// checksum of its bytes as written, no value, energy or frame holds a NaN or an infinity, nothing
+// was added or lost.
 #pragma once
 
 #include <cstdint>

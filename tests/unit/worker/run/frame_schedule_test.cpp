@@ -8,8 +8,8 @@
 namespace granary::run {
 namespace {
 
-// Times of the frames of a run with this step; `ask_every` steps lie between two looks at the clock,
-// except where the schedule's own limit stops the engine.
+// Times of the frames of a run with this step; `ask_every` steps lie between two looks at the
+// clock, except where the schedule's own limit stops the engine.
 std::vector<double> frame_times(const v1::Output& output, double end_time_s, double step_s,
                                 int ask_every, int filling_steps = 0) {
   FrameSchedule schedule(output);
@@ -45,7 +45,8 @@ TEST(FrameSchedule, does_not_depend_on_chunks) {
   EXPECT_EQ(fine, frame_times(output, 1.0, 3e-4, 17, 100));
   EXPECT_EQ(fine, frame_times(output, 1.0, 3e-4, 100000, 100));
   for (std::size_t i = 0; i + 1 < fine.size(); ++i)
-    EXPECT_LT(fine[i] - 0.0137 * static_cast<double>(i), 3e-4) << "later than the first step after its time";
+    EXPECT_LT(fine[i] - 0.0137 * static_cast<double>(i), 3e-4)
+        << "later than the first step after its time";
 }
 
 TEST(FrameSchedule, covers_the_main_phase_unless_an_interval_is_named) {

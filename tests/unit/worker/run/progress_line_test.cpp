@@ -15,9 +15,10 @@ TEST(ProgressLine, tells_how_far_how_fast_and_how_long_still) {
   progress.set_contacts(1200);
   progress.set_ns_per_particle_step(42);
   progress.set_eta_s(200);
-  EXPECT_EQ(progress_text(progress),
-            "[############............]  50 %  rotation t = 1.5 of 3 s  700 particles, 1200 contacts"
-            "  42 ns/particle-step  3 min 20 s left");
+  EXPECT_EQ(
+      progress_text(progress),
+      "[############............]  50 %  rotation t = 1.5 of 3 s  700 particles, 1200 contacts"
+      "  42 ns/particle-step  3 min 20 s left");
 }
 
 TEST(ProgressLine, stays_in_its_bar_for_any_fraction) {

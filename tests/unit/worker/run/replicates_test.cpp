@@ -58,7 +58,8 @@ TEST(Replicates, state_hash_depends_on_each_and_on_their_order) {
 }
 
 TEST(Replicates, worst_ledger_is_the_one_told) {
-  EXPECT_DOUBLE_EQ(worst_ledger({replicate(1, 0.1), replicate(2, 0.3), replicate(3, 0.2)}).kinetic_j, 0.3);
+  EXPECT_DOUBLE_EQ(
+      worst_ledger({replicate(1, 0.1), replicate(2, 0.3), replicate(3, 0.2)}).kinetic_j, 0.3);
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ RunRecord sample() {
   replicate.values = {{"f1_m", "m", 1.5, {}, "basis"}, {"f4_m", "m", {}, {}, ""}};
   replicate.ledger.kinetic_j = 3;
   record.finished = {replicate, replicate};
-  record.first.series = {{"cg", {core::make_column<double>("time_s", "s", std::vector<double>{1, 2})}}};
+  record.first.series = {
+      {"cg", {core::make_column<double>("time_s", "s", std::vector<double>{1, 2})}}};
   record.first.warnings = {"one", "two"};
   record.first.effect_evaluations = {{"gas", 0}, {"cohesion", 17}};
   record.frames = {true, 0.25, 10, 7, 1.75, 1.5};

@@ -69,7 +69,8 @@ TEST_F(RunTask, gives_values_cost_ledger_and_a_file_that_verifies) {
 TEST_F(RunTask, file_and_message_say_the_same) {
   const TaskOutcome outcome = run(spec_of(toy_scene()));
   const StoredResult stored = read_result(directory / "r.h5");
-  EXPECT_EQ(stored.datasets.at("/values/f1_m").as<double>().at(0), outcome.result.values().at("f1_m").value());
+  EXPECT_EQ(stored.datasets.at("/values/f1_m").as<double>().at(0),
+            outcome.result.values().at("f1_m").value());
   EXPECT_EQ(stored.texts.at("/provenance@state_hash"), outcome.result.state_hash());
   EXPECT_EQ(stored.numbers.at("/provenance@steps"), 1100);
   EXPECT_EQ(stored.datasets.at("/series/energy/time_s").as<double>().size(), 110u);
@@ -98,7 +99,8 @@ TEST_F(RunTask, resumed_many_times_ends_bitwise_like_an_undisturbed_run) {
   const TaskSpec spec = spec_of(slow, "pieces");
   TaskOutcome outcome;
   int attempts = 0;
-  for (outcome.outcome = v1::TaskFinished::RELEASED; outcome.outcome == v1::TaskFinished::RELEASED; ++attempts) {
+  for (outcome.outcome = v1::TaskFinished::RELEASED; outcome.outcome == v1::TaskFinished::RELEASED;
+       ++attempts) {
     ASSERT_LT(attempts, 1000);
     stop = StopRequest::none;
     int events = 0;
@@ -145,7 +147,8 @@ TEST_F(RunTask, goes_on_bitwise_where_its_checkpoint_and_segments_are_taken_to) 
   EXPECT_EQ(outcome.outcome, v1::TaskFinished::COMPLETE);
   EXPECT_NE(log.find("resumed at"), std::string::npos) << log;
   EXPECT_EQ(outcome.result.state_hash(), expected.result.state_hash());
-  EXPECT_EQ(read_result(there.result_path).below("/frames"), read_result(whole.result_path).below("/frames"));
+  EXPECT_EQ(read_result(there.result_path).below("/frames"),
+            read_result(whole.result_path).below("/frames"));
 }
 
 TEST_F(RunTask, checkpoint_of_another_scene_is_refused_and_the_run_starts_over) {
@@ -197,8 +200,9 @@ TEST_F(RunTask, replicates_give_error_bars_and_are_stored_each) {
 TEST_F(RunTask, rejection_is_unstable_with_reason_ids_and_advice_and_no_values) {
   const TaskOutcome outcome = run(spec_of(toy_scene("reject_at_step=500")));
   EXPECT_EQ(outcome.outcome, v1::TaskFinished::UNSTABLE);
-  EXPECT_EQ(outcome.message,
-            "unstable at t = 0.4 s: the toy was told to give up (particle 3, 5); try: do not tell it");
+  EXPECT_EQ(
+      outcome.message,
+      "unstable at t = 0.4 s: the toy was told to give up (particle 3, 5); try: do not tell it");
   EXPECT_TRUE(outcome.result.values().empty());
   EXPECT_EQ(outcome.result.cost().steps(), 500u);
   const storage::VerifyReport report = storage::verify_result(directory / "r.h5");
@@ -211,7 +215,8 @@ TEST_F(RunTask, nan_in_the_state_is_unstable_and_never_stored) {
   for (const char* knob : {"nan_at_step=0", "nan_at_step=500", "nan_at_step=1099"}) {
     const TaskOutcome outcome = run(spec_of(toy_scene(knob)));
     EXPECT_EQ(outcome.outcome, v1::TaskFinished::UNSTABLE) << knob;
-    EXPECT_NE(outcome.message.find("is not finite (particle 0)"), std::string::npos) << outcome.message;
+    EXPECT_NE(outcome.message.find("is not finite (particle 0)"), std::string::npos)
+        << outcome.message;
     EXPECT_TRUE(std::isfinite(outcome.result.ledger().remainder_ratio()));
     EXPECT_TRUE(storage::verify_result(directory / "r.h5").ok()) << knob;
   }
@@ -254,7 +259,8 @@ TEST_F(RunTask, engine_that_does_not_advance_is_an_error_and_not_a_hang) {
 }
 
 TEST_F(RunTask, scene_without_engine_is_an_error_with_the_factorys_words) {
-  const SimulationFactory factory = [](const v1::Scene&, const core::State*) -> std::unique_ptr<core::Simulation> {
+  const SimulationFactory factory = [](const v1::Scene&,
+                                       const core::State*) -> std::unique_ptr<core::Simulation> {
     throw std::runtime_error("chutes are not available");
   };
   const TaskOutcome outcome = run_task(spec_of(toy_scene()), factory, callbacks, stop);
@@ -269,7 +275,8 @@ TEST_F(RunTask, progress_is_throttled_rises_and_ends_at_the_whole) {
   const TaskOutcome outcome = run(spec_of(scene));
   ASSERT_GE(events.size(), 2u);
   EXPECT_LE(events.size(), 10 * outcome.result.cost().wall_s() + 2);  // the first and the last
-  for (std::size_t i = 1; i < events.size(); ++i) EXPECT_GE(events[i].fraction(), events[i - 1].fraction());
+  for (std::size_t i = 1; i < events.size(); ++i)
+    EXPECT_GE(events[i].fraction(), events[i - 1].fraction());
   EXPECT_DOUBLE_EQ(events.back().fraction(), 1);
   EXPECT_EQ(events.back().particles(), 8u);
   EXPECT_EQ(events.back().phase(), "swinging");

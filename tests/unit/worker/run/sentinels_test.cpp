@@ -8,7 +8,8 @@ namespace granary::run {
 namespace {
 
 core::ColumnView view(const std::vector<double>& values, std::size_t width) {
-  return {"velocity_m_per_s", "m/s", core::ElementType::f64, values.size() / width, width, values.data()};
+  return {"velocity_m_per_s",    "m/s", core::ElementType::f64,
+          values.size() / width, width, values.data()};
 }
 
 TEST(Sentinels, find_the_particle_that_is_no_number) {
@@ -49,7 +50,8 @@ TEST(Sentinels, notice_any_energy_that_is_no_number) {
 
 TEST(Sentinels, describe_when_why_who_and_what_to_change) {
   const std::string text = describe({1.25, "overlap of 0.6 R", {4, 9}, "halve time_step_s"});
-  EXPECT_EQ(text, "unstable at t = 1.25 s: overlap of 0.6 R (particle 4, 9); try: halve time_step_s");
+  EXPECT_EQ(text,
+            "unstable at t = 1.25 s: overlap of 0.6 R (particle 4, 9); try: halve time_step_s");
   EXPECT_EQ(describe({0, "x", {1, 2, 3, 4, 5, 6, 7}, ""}),
             "unstable at t = 0 s: x (particle 1, 2, 3, 4, 5, ...)");
 }

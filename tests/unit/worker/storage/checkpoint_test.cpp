@@ -55,9 +55,9 @@ TEST(Checkpoint, comes_back_as_it_was_saved) {
 TEST(Checkpoint, of_another_scene_engine_or_vector_path_is_refused) {
   TemporaryDirectory directory;
   save_checkpoint(real_file_system(), directory.path(), numbered(1));
-  for (const RunIdentity& other : {RunIdentity{"other", "1.0", "portable"},
-                                   RunIdentity{"scene", "1.1", "portable"},
-                                   RunIdentity{"scene", "1.0", "avx2"}}) {
+  for (const RunIdentity& other :
+       {RunIdentity{"other", "1.0", "portable"}, RunIdentity{"scene", "1.1", "portable"},
+        RunIdentity{"scene", "1.0", "avx2"}}) {
     std::vector<std::string> reports;
     EXPECT_FALSE(load(directory.path(), &reports, other));
     ASSERT_EQ(reports.size(), 1u);

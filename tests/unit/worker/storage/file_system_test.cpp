@@ -17,7 +17,9 @@ namespace {
 using testing::FaultyFileSystem;
 using testing::TemporaryDirectory;
 
-std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
+std::span<const std::byte> bytes_of(std::string_view text) {
+  return std::as_bytes(std::span(text));
+}
 
 std::string content_of(const Path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -25,7 +27,8 @@ std::string content_of(const Path& path) {
 }
 
 TEST(WriteAtomically, leaves_the_old_content_or_the_new_after_a_fault_at_any_operation) {
-  for (const auto fault : {FaultyFileSystem::Fault::disk_full, FaultyFileSystem::Fault::power_cut}) {
+  for (const auto fault :
+       {FaultyFileSystem::Fault::disk_full, FaultyFileSystem::Fault::power_cut}) {
     for (const bool lose : {false, true}) {
       for (std::uint64_t at = 0;; ++at) {
         TemporaryDirectory directory;

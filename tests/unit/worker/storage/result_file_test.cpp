@@ -71,7 +71,8 @@ TEST(ResultFile, keeps_frames_series_fields_ledger_and_effects) {
   EXPECT_EQ(result.datasets.at("/frames/000001/radius_m").as<float>()[2], 0.005f);
   EXPECT_EQ(result.datasets.at("/series/remaining/time_s").units, "s");
   EXPECT_EQ(result.datasets.at("/fields/surface/streamwise_m_per_s").units, "m/s");
-  EXPECT_EQ(result.datasets.at("/ledger/channels/friction").as<double>(), std::vector<double>{-2.0});
+  EXPECT_EQ(result.datasets.at("/ledger/channels/friction").as<double>(),
+            std::vector<double>{-2.0});
   EXPECT_EQ(result.datasets.at("/ledger/throughput").units, "J");
   EXPECT_EQ(result.numbers.at("/effects/gas@on"), 0);
   EXPECT_EQ(result.numbers.at("/effects/gas@number"), 0.023);
@@ -87,14 +88,19 @@ TEST(ResultFile, stores_a_column_that_does_not_change_only_once) {
     std::vector<double> radius(10000, 0.005);
     for (std::uint64_t i = 0; i < 10; ++i) {
       if (!constant) radius[i] = 1;
-      writer.add_frame({i, 0.1 * static_cast<double>(i), "", {core::make_column<double>("radius_m", "m", radius)}});
+      writer.add_frame({i,
+                        0.1 * static_cast<double>(i),
+                        "",
+                        {core::make_column<double>("radius_m", "m", radius)}});
     }
     writer.add_content({});
     writer.commit();
     size[constant] = std::filesystem::file_size(directory / "r.h5");
   }
   EXPECT_GT(size[false] - size[true], 9 * 80000u - 20000u);
-  EXPECT_EQ(read_result(directory / "r.h5").datasets.at("/frames/000009/radius_m").as<double>().size(), 10000u);
+  EXPECT_EQ(
+      read_result(directory / "r.h5").datasets.at("/frames/000009/radius_m").as<double>().size(),
+      10000u);
 }
 
 TEST(ResultFile, is_not_there_before_commit_and_leaves_nothing_behind) {
@@ -113,7 +119,8 @@ TEST(ResultFile, in_a_directory_that_is_missing_is_an_error_with_its_path) {
     ResultWriter writer(real_file_system(), "/nonexistent/r.h5");
     FAIL() << "created a file in a missing directory";
   } catch (const StorageError& error) {
-    EXPECT_NE(std::string(error.what()).find("/nonexistent/r.h5"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("/nonexistent/r.h5"), std::string::npos)
+        << error.what();
   }
 }
 

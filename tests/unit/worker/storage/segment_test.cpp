@@ -70,7 +70,8 @@ TEST(FrameStore, drops_what_came_after_the_checkpoint) {
 
   FrameStore resumed(real_file_system(), directory.path(), kIdentity, "");
   resumed.restore(at_checkpoint);
-  EXPECT_EQ(real_file_system().list(directory.path()), (std::vector<std::string>{"segment-000000"}));
+  EXPECT_EQ(real_file_system().list(directory.path()),
+            (std::vector<std::string>{"segment-000000"}));
   append_frame(resumed, 1);
   EXPECT_EQ(indices_in(resumed), (std::vector<std::uint64_t>{0, 1}));
 }
@@ -121,8 +122,8 @@ TEST(SegmentReader, gives_all_frames_before_a_cut_at_any_length_and_never_a_torn
   for (std::uint64_t length = 0; length <= size_after.back(); ++length) {
     std::filesystem::copy_file(path, copy, std::filesystem::copy_options::overwrite_existing);
     std::filesystem::resize_file(copy, length);
-    const auto whole = static_cast<std::size_t>(
-        std::count_if(size_after.begin(), size_after.end(), [&](auto size) { return size <= length; }));
+    const auto whole = static_cast<std::size_t>(std::count_if(
+        size_after.begin(), size_after.end(), [&](auto size) { return size <= length; }));
     std::size_t got = 0;
     try {
       SegmentReader reader(real_file_system(), copy);

@@ -70,7 +70,9 @@ TEST_F(VerifyResult, finds_missing_units) {
 }
 
 TEST_F(VerifyResult, finds_a_missing_and_a_strange_dataset) {
-  change([](hid_t file) { H5Lmove(file, "/ledger/kinetic", file, "/ledger/other", H5P_DEFAULT, H5P_DEFAULT); });
+  change([](hid_t file) {
+    H5Lmove(file, "/ledger/kinetic", file, "/ledger/other", H5P_DEFAULT, H5P_DEFAULT);
+  });
   EXPECT_TRUE(complains_about("/ledger/kinetic: is missing"));
   EXPECT_TRUE(complains_about("/ledger/other: is not in the list"));
 }
