@@ -1,5 +1,5 @@
-// granary check: the plan of a scene, without a server: which effects run and why, every setting and
-// who chose it.
+// granary check: the plan of a scene, without a server: which effects run and why, every setting
+// and who chose it.
 #include "client/commands/catalogue.h"
 #include "client/commands/submission.h"
 #include "proto/contract/scene_rules.h"
@@ -24,9 +24,8 @@ std::uint64_t particle_count(const v1::Scene& scene) {
   if (chute.inlet().feed() == v1::Inlet::NONE) return static_cast<std::uint64_t>(count);
   const double fed_kg = chute.inlet().mass_flow_kg_per_s() * chute.duration_s();
   for (const auto& grain : chute.particles()) {
-    const double mass_kg =
-        grain.density_kg_per_m3() * kPi / 6 * grain.diameter_m() * grain.diameter_m() *
-        grain.diameter_m();
+    const double mass_kg = grain.density_kg_per_m3() * kPi / 6 * grain.diameter_m() *
+                           grain.diameter_m() * grain.diameter_m();
     const double fraction = grain.has_mass_fraction() ? grain.mass_fraction() : 1;
     if (mass_kg > 0) count += fed_kg * fraction / mass_kg;
   }
@@ -57,8 +56,7 @@ render::Table settings_table(const ResolvedScene& resolved) {
 
 Json rows_json(const render::Table& table) {
   Json array = Json::array();
-  for (std::size_t i = 0; i < table.rows.size(); ++i)
-    array.push_back(render::row_object(table, i));
+  for (std::size_t i = 0; i < table.rows.size(); ++i) array.push_back(render::row_object(table, i));
   return array;
 }
 
@@ -81,13 +79,14 @@ std::string plan_json(const LoadedScene& loaded) {
                      {"effects", effects_json(effects_table(loaded.resolved))},
                      {"settings", rows_json(settings_table(loaded.resolved))},
                      {"warnings", loaded.resolved.warnings}};
-  return plan.dump() + "\n";
+  return render::compact(plan) + "\n";
 }
 
 std::string plan_text(const LoadedScene& loaded) {
   const auto count = particle_count(loaded.resolved.scene);
   return loaded.source + ": valid " + std::string(kind_of(loaded.resolved.scene)) + ", " +
-         std::to_string(count) + " particles\n\n" + render::as_aligned_text(effects_table(loaded.resolved)) + "\n" +
+         std::to_string(count) + " particles\n\n" +
+         render::as_aligned_text(effects_table(loaded.resolved)) + "\n" +
          render::as_aligned_text(settings_table(loaded.resolved));
 }
 
@@ -97,7 +96,7 @@ Outcome check(Context& context, const SubmissionOptions& options) {
   for (const LoadedScene& loaded : *scenes) {
     for (const std::string& warning : loaded.resolved.warnings)
       context.say(loaded.source + ": warning: " + warning);
-    const std::string text = context.format() == render::Format::json  ? plan_json(loaded)
+    const std::string text = context.format() == render::Format::json ? plan_json(loaded)
                              : context.format() == render::Format::csv
                                  ? render::as_csv(settings_table(loaded.resolved))
                                  : plan_text(loaded);

@@ -45,8 +45,8 @@ Result<session::Session*> Context::session() {
   if (session_) return session_.get();
   auto resolved = settings();
   if (!resolved) return resolved.error();
-  auto opened = session::Session::open(
-      *resolved, [this](session::NoticeLevel level, std::string_view text) {
+  auto opened =
+      session::Session::open(*resolved, [this](session::NoticeLevel level, std::string_view text) {
         level == session::NoticeLevel::normal ? say(text) : detail(text);
       });
   if (!opened) return opened.error();
@@ -89,16 +89,17 @@ void Context::detail(std::string_view text) const {
   if (options_.verbose && !options_.quiet) print_error(std::string(text));
 }
 
-void Context::complain(const Error& error) const { print_error(error.message); }
+void Context::complain(const Error& error) const {
+  print_error(error.message);
+}
 
-CommandLine::CommandLine()
-    : root_("Granary: granular-flow simulations as a service.", "granary") {
+CommandLine::CommandLine() : root_("Granary: granular-flow simulations as a service.", "granary") {
   root_.require_subcommand(0, 1);
   root_.fallthrough();
   root_.set_help_flag("-h,--help", "this text");
-  root_.set_version_flag("--version", std::string("granary ") + kProductVersion + " (engine " +
-                                          kEngineVersion + ")",
-                         "program and engine version");
+  root_.set_version_flag(
+      "--version", std::string("granary ") + kProductVersion + " (engine " + kEngineVersion + ")",
+      "program and engine version");
   root_.footer(
       "Example:\n  granary run tests/scenes/discharge_small.txtpb --format json\n"
       "A verb tells its own: granary run --help");
@@ -128,9 +129,9 @@ CLI::App& CommandLine::verb(const std::string& name, const std::string& help,
   return app;
 }
 
-CLI::App& CommandLine::group(const std::string& name, const std::string& help) {
-  CLI::App& app = *root_.add_subcommand(name, help);
-  app.fallthrough();
+CLI::App& CommandLine::group(const std::string& name, const std::string& help,
+                             const std::string& example) {
+  CLI::App& app = verb(name, help, example);
   app.require_subcommand(1);
   return app;
 }
@@ -150,7 +151,8 @@ std::string CommandLine::describe_extra(int argc, const char* const* argv) const
     const std::string nearest = nearest_name(word.substr(0, word.find('=')), names);
     const bool is_verb = word[0] != '-' && root_.get_subcommands().empty();
     const char* what = word[0] == '-' ? "unknown option" : is_verb ? "unknown verb" : "unexpected";
-    return what + (" '" + word + "'") + (nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
+    return what + (" '" + word + "'") +
+           (nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
   }
   return "unexpected arguments";
 }

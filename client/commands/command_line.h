@@ -64,7 +64,7 @@ class CommandLine {
   CLI::App& verb(const std::string& name, const std::string& help, const std::string& example,
                  CLI::App* parent = nullptr);
   // A verb that only groups others ("scene", "config").
-  CLI::App& group(const std::string& name, const std::string& help);
+  CLI::App& group(const std::string& name, const std::string& help, const std::string& example);
   void on(CLI::App& verb, Action action);
 
   const CLI::App& root() const { return root_; }

@@ -42,8 +42,8 @@ std::string words_of(const CLI::App& app, const CLI::App& root) {
   return words;
 }
 
-// bash and zsh walk the words typed so far along the tree in the same way. Names keep clear of zsh's
-// special `path` and `words`.
+// bash and zsh walk the words typed so far along the tree in the same way. Names keep clear of
+// zsh's special `path` and `words`.
 std::string walk(const CLI::App& root) {
   std::vector<Level> levels;
   collect_levels(root, "", levels);
@@ -76,7 +76,8 @@ std::string zsh_script(const CLI::App& root) {
          "  for word in \"${(@)words[2,CURRENT-1]}\"; do\n" +
          walk(root) +
          "  compadd -- ${=offer}\n  _files\n}\n"
-         "if [ \"$funcstack[1]\" = _granary ]; then _granary \"$@\"; else compdef _granary granary; "
+         "if [ \"$funcstack[1]\" = _granary ]; then _granary \"$@\"; else compdef _granary "
+         "granary; "
          "fi\n";
 }
 

@@ -10,9 +10,9 @@ Outcome show_config(Context& context) {
   render::Table table{{"key", "value", "source"}, {}};
   for (const session::SettingName& name : session::kSettingNames) {
     const session::Setting& setting = (*settings)[name.key];
-    table.rows.push_back({name.config,
-                          setting.value.empty() ? render::Json(nullptr) : render::Json(setting.value),
-                          setting.source});
+    table.rows.push_back(
+        {name.config, setting.value.empty() ? render::Json(nullptr) : render::Json(setting.value),
+         setting.source});
   }
   if (auto written = context.write_rows(table, render::JsonShape::array); !written)
     return written.error();
@@ -24,7 +24,7 @@ Outcome show_config(Context& context) {
 }  // namespace
 
 void add_config(CommandLine& line) {
-  CLI::App& group = line.group("config", "Settings of this client");
+  CLI::App& group = line.group("config", "Settings of this client", "granary config show");
   line.on(line.verb("show", "Every setting and where it came from", "granary config show", &group),
           show_config);
 }

@@ -1,5 +1,5 @@
-// granary export: a job's result in other forms. The layout of result files is the worker's business,
-// so the worker program beside this one converts; this verb fetches and cleans up.
+// granary export: a job's result in other forms. The layout of result files is the worker's
+// business, so the worker program beside this one converts; this verb fetches and cleans up.
 #include <unistd.h>
 
 #include <algorithm>

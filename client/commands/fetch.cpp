@@ -48,7 +48,9 @@ Outcome fetch(Context& context, const std::string& text, bool force) {
   session::Interrupt interrupt;
   auto fetched = session::fetch_result(
       **session, request,
-      [&](std::uint64_t have_bytes, std::uint64_t size_bytes) { bytes.show(have_bytes, size_bytes); },
+      [&](std::uint64_t have_bytes, std::uint64_t size_bytes) {
+        bytes.show(have_bytes, size_bytes);
+      },
       interrupt);
   bytes.close();
   if (!fetched && interrupt.requested()) {

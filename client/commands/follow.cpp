@@ -15,8 +15,7 @@ namespace {
 using render::Json;
 
 double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 Json progress_json(const v1::Progress& progress) {
@@ -44,7 +43,7 @@ std::string event_line(const std::string& job, const v1::JobEvent& event) {
   if (event.what_case() == v1::JobEvent::kProgress)
     line["progress"] = progress_json(event.progress());
   if (!event.message().empty()) line["message"] = event.message();
-  return line.dump() + "\n";
+  return render::compact(line) + "\n";
 }
 
 session::EventSink sink_for(Context& context, const std::string& name, EventOutput output,
@@ -59,8 +58,8 @@ session::EventSink sink_for(Context& context, const std::string& name, EventOutp
 
 void tell_end(Context& context, const v1::Job& job) {
   if (job.state() == v1::COMPLETE && !job.timed_out()) return;
-  std::string what = job.name() + ": " +
-                     (job.timed_out() ? "timed out" : std::string(to_string(job.state())));
+  std::string what =
+      job.name() + ": " + (job.timed_out() ? "timed out" : std::string(to_string(job.state())));
   if (!job.error().empty()) what += ": " + job.error();
   context.complain({ErrorCode::unknown, what, ""});
 }

@@ -15,8 +15,8 @@ Outcome show_health(Context& context) {
   if (!info) return info.error();
   const render::Table table{
       {"server", "status", "version", "engine_version", "waiting", "running", "workers", "slots"},
-      {{(*session)->address(), "serving", info->version(), info->engine_version(),
-        info->waiting(), info->running(), info->workers(), info->slots()}}};
+      {{(*session)->address(), "serving", info->version(), info->engine_version(), info->waiting(),
+        info->running(), info->workers(), info->slots()}}};
   if (auto written = context.write_rows(table, render::JsonShape::lines); !written)
     return written.error();
   return ExitCode::ok;

@@ -22,7 +22,9 @@ Json time_cell(bool is_set, const Timestamp& time) {
   return is_set ? Json(TimeUtil::ToString(time)) : Json(nullptr);
 }
 
-Json text_cell(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+Json text_cell(const std::string& text) {
+  return text.empty() ? Json(nullptr) : Json(text);
+}
 
 Json tags_cell(const v1::Job& job) {
   const std::map<std::string, std::string> sorted(job.tags().begin(), job.tags().end());
@@ -144,10 +146,10 @@ render::Table job_table(const std::vector<v1::Job>& jobs, render::Format format)
     table.columns = {"job",       "kind",   "state", "done", "submitted",
                      "elapsed_s", "worker", "tags",  "error"};
   else
-    table.columns = {"job",      "kind",      "state",  "fraction",      "priority",
-                     "tags",     "submitted", "started", "ended",        "attempts",
-                     "worker",   "owner",     "error",  "time_limit_s",  "timed_out",
-                     "reused",   "study",     "key",    "result_sha256", "result_size_bytes"};
+    table.columns = {"job",    "kind",      "state",   "fraction",      "priority",
+                     "tags",   "submitted", "started", "ended",         "attempts",
+                     "worker", "owner",     "error",   "time_limit_s",  "timed_out",
+                     "reused", "study",     "key",     "result_sha256", "result_size_bytes"};
   for (const v1::Job& job : jobs) table.rows.push_back(brief ? brief_row(job) : full_row(job));
   return table;
 }

@@ -73,8 +73,7 @@ void add_ls(CommandLine& line) {
       ->type_name("KIND");
   verb.add_option("--state", options->state,
                   "waiting, running, complete, error, unstable or cancelled")
-      ->check(CLI::IsMember(
-          {"waiting", "running", "complete", "error", "unstable", "cancelled"}))
+      ->check(CLI::IsMember({"waiting", "running", "complete", "error", "unstable", "cancelled"}))
       ->type_name("STATE");
   verb.add_option("--tag", options->tags, "only jobs with this label: name=value (repeatable)")
       ->allow_extra_args(false)

@@ -1,5 +1,5 @@
-// granary scene new: a commented starting scene. The comments (meaning, range, default) come from the
-// contract's rules, so they never differ from what validation says.
+// granary scene new: a commented starting scene. The comments (meaning, range, default) come from
+// the contract's rules, so they never differ from what validation says.
 #include <cmath>
 #include <filesystem>
 #include <sstream>
@@ -12,7 +12,8 @@ namespace granary::commands {
 namespace {
 
 // Lines "name: value" get their rule as comment. "~" marks fields shown but commented out.
-constexpr std::string_view kDischarge = R"(# A bucket-elevator discharge (2-D). Check it: granary check FILE. Run it: granary run FILE
+constexpr std::string_view kDischarge =
+    R"(# A bucket-elevator discharge (2-D). Check it: granary check FILE. Run it: granary run FILE
 discharge {
   particles {
     count: 200
@@ -45,7 +46,8 @@ seed: 1
 ~ threads: 2
 )";
 
-constexpr std::string_view kChute = R"(# Flow down an inclined, possibly rotating chute (3-D). Check it: granary check FILE
+constexpr std::string_view kChute =
+    R"(# Flow down an inclined, possibly rotating chute (3-D). Check it: granary check FILE
 chute {
   length_m: 0.3
   width_m: 0.08
@@ -86,10 +88,14 @@ seed: 1
 
 std::string default_text(const FieldRule& rule) {
   switch (rule.presence) {
-    case Presence::required: return "required";
-    case Presence::chosen: return "chosen when absent";
-    case Presence::optional: return "optional";
-    case Presence::defaulted: break;
+    case Presence::required:
+      return "required";
+    case Presence::chosen:
+      return "chosen when absent";
+    case Presence::optional:
+      return "optional";
+    case Presence::defaulted:
+      break;
   }
   std::ostringstream text;
   text << "default " << rule.fallback;
@@ -137,7 +143,7 @@ std::string scene_template(std::string_view plain) {
 
 void add_scene(CommandLine& line) {
   auto kind = std::make_shared<std::string>();
-  CLI::App& group = line.group("scene", "Write scenes");
+  CLI::App& group = line.group("scene", "Write scenes", "granary scene new chute");
   CLI::App& verb = line.verb("new", "Write a commented starting scene",
                              "granary scene new discharge -o bucket.txtpb", &group);
   verb.add_option("KIND", *kind, "discharge or chute")

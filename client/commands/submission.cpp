@@ -104,8 +104,8 @@ Result<LoadedScene> load_one(const std::string& path, const std::vector<FieldSet
 }  // namespace
 
 void add_scene_options(CLI::App& verb, SubmissionOptions& options, bool many) {
-  auto* scenes = verb.add_option("SCENE", options.scenes,
-                                 "scene file, protobuf text or JSON; - reads stdin");
+  auto* scenes =
+      verb.add_option("SCENE", options.scenes, "scene file, protobuf text or JSON; - reads stdin");
   scenes->required()->type_name("");
   if (!many) scenes->expected(1);
   verb.add_option("--set", options.settings, "set a scene field: path=value (repeatable)")
@@ -167,8 +167,7 @@ Result<v1::SubmitJobsRequest> make_request(const SubmissionOptions& options,
   return request;
 }
 
-Result<std::vector<std::string>> submit_scenes(Context& context,
-                                               const SubmissionOptions& options) {
+Result<std::vector<std::string>> submit_scenes(Context& context, const SubmissionOptions& options) {
   auto settings = context.settings();
   if (!settings) return settings.error();
   const int threads = std::atoi((*settings)[session::SettingKey::threads].value.c_str());

@@ -29,14 +29,13 @@ Outcome up(Context& context, const UpOptions& options) {
   if (!directory) return directory.error();
   const int core_count = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   const int worker_count = options.worker_count > 0 ? options.worker_count : core_count;
-  session::Supervisor supervisor(
-      *directory,
-      {.listen = options.listen,
-       .worker_count = worker_count,
-       .idle_exit_s = options.is_private ? private_idle_exit_s() : 0,
-       .log_level = (*settings)[session::SettingKey::log_level].value,
-       .wait_for_predecessor = options.is_private},
-      [&](std::string_view text) { context.say(text); });
+  session::Supervisor supervisor(*directory,
+                                 {.listen = options.listen,
+                                  .worker_count = worker_count,
+                                  .idle_exit_s = options.is_private ? private_idle_exit_s() : 0,
+                                  .log_level = (*settings)[session::SettingKey::log_level].value,
+                                  .wait_for_predecessor = options.is_private},
+                                 [&](std::string_view text) { context.say(text); });
   const Status ended = supervisor.run([&](const std::string& address) {
     (void)context.write(address + "\n");
     context.say("serving " + directory->path().string() + " with " + std::to_string(worker_count) +

@@ -18,12 +18,11 @@ void add_rows(const v1::GetValuesResponse& response, render::Table& table) {
   const std::map<std::string, v1::Quantity> sorted(response.result().values().begin(),
                                                    response.result().values().end());
   for (const auto& [name, quantity] : sorted)
-    table.rows.push_back({response.name(), name,
-                          optional_number(quantity.has_value(), quantity.value()),
-                          optional_number(quantity.has_error(), quantity.error()),
-                          quantity.unit().empty() ? Json(nullptr) : Json(quantity.unit()),
-                          quantity.error_basis().empty() ? Json(nullptr)
-                                                         : Json(quantity.error_basis())});
+    table.rows.push_back(
+        {response.name(), name, optional_number(quantity.has_value(), quantity.value()),
+         optional_number(quantity.has_error(), quantity.error()),
+         quantity.unit().empty() ? Json(nullptr) : Json(quantity.unit()),
+         quantity.error_basis().empty() ? Json(nullptr) : Json(quantity.error_basis())});
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// granary verify: is a result file what was stored? Checks the HDF5 signature, the SHA-256 that fetch
-// wrote beside the file (or the one given), and every dataset's own checksum.
+// granary verify: is a result file what was stored? Checks the HDF5 signature, the SHA-256 that
+// fetch wrote beside the file (or the one given), and every dataset's own checksum.
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -15,7 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Error verification_error(const std::string& what) { return {ErrorCode::data_loss, what, ""}; }
+Error verification_error(const std::string& what) {
+  return {ErrorCode::data_loss, what, ""};
+}
 
 // The format's first eight bytes (HDF5 File Format Specification, superblock).
 Status check_signature(const fs::path& file) {

@@ -11,8 +11,8 @@ Outcome watch(Context& context, const std::string& text) {
   if (!name) return name.error();
   const bool json = context.format() == render::Format::json;
   std::vector<v1::Job> ended;
-  const Outcome outcome = follow_jobs(
-      context, {*name}, json ? EventOutput::json_lines : EventOutput::display, ended);
+  const Outcome outcome =
+      follow_jobs(context, {*name}, json ? EventOutput::json_lines : EventOutput::display, ended);
   if (json || ended.empty()) return outcome;
   const auto table = job_table(ended, context.format());
   if (auto written = context.write_rows(table, render::JsonShape::lines); !written)
@@ -24,8 +24,8 @@ Outcome watch(Context& context, const std::string& text) {
 
 void add_watch(CommandLine& line) {
   auto name = std::make_shared<std::string>();
-  CLI::App& verb = line.verb("watch", "Follow a job; Ctrl-C detaches, never cancels",
-                             "granary watch jobs/12");
+  CLI::App& verb =
+      line.verb("watch", "Follow a job; Ctrl-C detaches, never cancels", "granary watch jobs/12");
   verb.add_option("JOB", *name, "job name")->required()->type_name("");
   line.on(verb, [name](Context& context) { return watch(context, *name); });
 }

@@ -1,5 +1,5 @@
-// The three output formats of every verb. json is stable and documented (client/README.md); table is
-// for people and may change.
+// The three output formats of every verb. json is stable and documented (client/README.md); table
+// is for people and may change.
 #pragma once
 
 #include <optional>

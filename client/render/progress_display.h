@@ -1,5 +1,5 @@
-// Shows a job's events as they come. On a terminal a block of lines is redrawn in place; elsewhere a
-// plain line per state change and at most one a second for progress. Time is an argument.
+// Shows a job's events as they come. On a terminal a block of lines is redrawn in place; elsewhere
+// a plain line per state change and at most one a second for progress. Time is an argument.
 #pragma once
 
 #include <cstddef>

@@ -9,7 +9,8 @@
 namespace granary::render {
 
 // "[#######.......]  47 %  rotation  t 0.81/1.72 s  ETA 0:12  700 particles  1650 contacts
-//  12.3 ns/particle-step  f1_m 1.92  ledger 1.2e-06". Fractions outside [0, 1] are clamped; what the
+//  12.3 ns/particle-step  f1_m 1.92  ledger 1.2e-06". Fractions outside [0, 1] are clamped; what
+//  the
 // engine did not report is left out.
 std::string progress_line(const v1::Progress& progress);
 

@@ -20,7 +20,7 @@ std::string compound_text(const Json& cell) {
   for (const auto& [key, value] : cell.items()) {
     if (!text.empty()) text += ' ';
     if (cell.is_object()) text += key + "=";
-    text += value.is_string() ? value.get<std::string>() : value.dump();
+    text += value.is_string() ? value.get<std::string>() : compact(value);
   }
   return text;
 }
@@ -29,7 +29,7 @@ std::string plain_text(const Json& cell) {
   if (cell.is_null()) return "";
   if (cell.is_string()) return cell.get<std::string>();
   if (cell.is_structured()) return compound_text(cell);
-  return cell.dump();
+  return compact(cell);
 }
 
 std::string table_text(const Json& cell) {
@@ -58,8 +58,8 @@ void append_csv_line(std::string& text, std::span<const std::string> fields) {
 
 // Code points, not bytes: names and tags may hold any UTF-8.
 std::size_t display_width(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(
-      text.begin(), text.end(), [](char byte) { return (byte & 0xC0) != 0x80; }));
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char byte) { return (byte & 0xC0) != 0x80; }));
 }
 
 void append_aligned_line(std::string& text, std::span<const std::string> fields,
@@ -76,7 +76,13 @@ void append_aligned_line(std::string& text, std::span<const std::string> fields,
 
 }  // namespace
 
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+std::string compact(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json number_or_null(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
 
 std::string printable(std::string_view text) {
   std::string clean(text);
@@ -128,10 +134,10 @@ std::string render_rows(const Table& table, Format format, JsonShape shape) {
   if (shape == JsonShape::array) {
     Json array = Json::array();
     for (std::size_t i = 0; i < table.rows.size(); ++i) array.push_back(row_object(table, i));
-    return array.dump() + "\n";
+    return compact(array) + "\n";
   }
   std::string lines;
-  for (std::size_t i = 0; i < table.rows.size(); ++i) lines += row_object(table, i).dump() + "\n";
+  for (std::size_t i = 0; i < table.rows.size(); ++i) lines += compact(row_object(table, i)) + "\n";
   return lines;
 }
 

@@ -28,6 +28,10 @@ std::string as_aligned_text(const Table& table);
 std::string as_csv(const Table& table);  // RFC 4180: comma, CRLF-free, quotes doubled
 Json row_object(const Table& table, std::size_t row);
 
+// One line. Text that is not UTF-8 (file names) gets replacement characters instead of an
+// exception.
+std::string compact(const Json& json);
+
 // Non-finite numbers have no JSON form: they become null.
 Json number_or_null(double value);
 

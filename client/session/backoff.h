@@ -1,5 +1,6 @@
-// Delays between tries after a lost connection: doubling with jitter, so that a hundred clients do not
-// come back to a restarted server in one instant. Pure: the caller waits and says how long it waited.
+// Delays between tries after a lost connection: doubling with jitter, so that a hundred clients do
+// not come back to a restarted server in one instant. Pure: the caller waits and says how long it
+// waited.
 #pragma once
 
 #include <algorithm>

@@ -12,11 +12,11 @@
 namespace granary::session {
 
 struct ChildOptions {
-  std::vector<std::string> command;   // program path, arguments
-  std::filesystem::path log_file;     // stdout and stderr go here (overwritten); empty: inherited
-  bool output_to_stderr = false;      // stdout goes where our stderr goes: ours is for data
-  bool detached = false;              // own session, survives us, stdin from /dev/null
-  bool ends_with_parent = false;      // SIGTERM when we die, however we die
+  std::vector<std::string> command;  // program path, arguments
+  std::filesystem::path log_file;    // stdout and stderr go here (overwritten); empty: inherited
+  bool output_to_stderr = false;     // stdout goes where our stderr goes: ours is for data
+  bool detached = false;             // own session, survives us, stdin from /dev/null
+  bool ends_with_parent = false;     // SIGTERM when we die, however we die
 };
 
 // Own process group always, so that a terminal's Ctrl-C reaches only the parent, which drains in

@@ -54,8 +54,7 @@ Result<std::map<std::string, ConfigEntry>> parse_config(std::string_view text,
     if (line.empty() || line.front() == '#') continue;
     const auto equals = line.find('=');
     const std::string key(trimmed(line.substr(0, equals)));
-    if (equals == std::string_view::npos || !is_bare_key(key))
-      return error("expected key = value");
+    if (equals == std::string_view::npos || !is_bare_key(key)) return error("expected key = value");
     auto value = parse_value(trimmed(line.substr(equals + 1)));
     if (!value) return error(key + ": " + value.error().message);
     if (!entries.try_emplace(key, ConfigEntry{*value, line_number}).second)

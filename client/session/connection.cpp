@@ -19,8 +19,8 @@ using HealthRequest = google::protobuf::StringValue;
 using HealthResponse = google::protobuf::Int32Value;
 constexpr int kServing = 1;
 
-// Keeps gRPC initialised until the process ends. Shutting it down with the last channel can take ten
-// seconds: a helper that polls for a blocked write (a large batch) is waited for.
+// Keeps gRPC initialised until the process ends. Shutting it down with the last channel can take
+// ten seconds: a helper that polls for a blocked write (a large batch) is waited for.
 void keep_grpc_running() {
   [[maybe_unused]] static const bool started = [] {
     grpc_init();

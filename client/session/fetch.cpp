@@ -177,8 +177,8 @@ Status Fetch::publish(PartFile& part) {
   std::error_code failure;
   fs::rename(part.path(), request_.file, failure);
   if (failure)
-    return Error{ErrorCode::failed_precondition,
-                 request_.file.string() + ": " + failure.message(), ""};
+    return Error{ErrorCode::failed_precondition, request_.file.string() + ": " + failure.message(),
+                 ""};
   if (!request_.record_checksum) return Done{};
   std::ofstream sums(with_suffix(request_.file, ".sha256"));
   sums << artifact_.sha256() << "  " << request_.file.filename().string() << "\n";

@@ -1,6 +1,6 @@
 // Downloads a result file: into FILE.part, continued there after any interruption (of the stream or
-// of this program), checked against the recorded SHA-256, then renamed. FILE.sha256 keeps the sum in
-// the form `sha256sum -c` reads.
+// of this program), checked against the recorded SHA-256, then renamed. FILE.sha256 keeps the sum
+// in the form `sha256sum -c` reads.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace granary::session {
 struct FetchRequest {
   std::string job;
   std::filesystem::path file;
-  bool overwrite = false;  // else an existing file with other content is an error
+  bool overwrite = false;       // else an existing file with other content is an error
   bool record_checksum = true;  // FILE.sha256
 };
 

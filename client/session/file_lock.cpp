@@ -24,7 +24,9 @@ Result<FileLock> FileLock::acquire(const std::filesystem::path& path, int extra_
   return Error{ErrorCode::internal, path.string() + ": " + std::strerror(cause), ""};
 }
 
-Result<FileLock> FileLock::wait(const std::filesystem::path& path) { return acquire(path, 0); }
+Result<FileLock> FileLock::wait(const std::filesystem::path& path) {
+  return acquire(path, 0);
+}
 
 Result<FileLock> FileLock::take(const std::filesystem::path& path) {
   return acquire(path, LOCK_NB);

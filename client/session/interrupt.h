@@ -1,6 +1,6 @@
 // Ctrl-C as an event. While an Interrupt lives, the first SIGINT runs the registered action on a
-// thread of its own and ends waits; a second one ends the process with 130. Without one, SIGINT ends
-// the process with 130 (install_default_interrupt). At most one Interrupt at a time.
+// thread of its own and ends waits; a second one ends the process with 130. Without one, SIGINT
+// ends the process with 130 (install_default_interrupt). At most one Interrupt at a time.
 #pragma once
 
 #include <condition_variable>

@@ -1,5 +1,5 @@
-// What session.cpp, watch.cpp and download.cpp share: the current connection, how to get another one,
-// and the rule for repeating a call. Internal to client/session.
+// What session.cpp, watch.cpp and download.cpp share: the current connection, how to get another
+// one, and the rule for repeating a call. Internal to client/session.
 #pragma once
 
 #include <memory>
@@ -31,8 +31,8 @@ class Session::Link {
   // for good, so it is looked for, and started, again.
   Status renew() { return names_server() ? Status(Done{}) : connect(); }
 
-  // `invoke(connection, context, response)` until it gives something else than UNAVAILABLE (repeated
-  // for about ten seconds) or a full queue's retry delay.
+  // `invoke(connection, context, response)` until it gives something else than UNAVAILABLE
+  // (repeated for about ten seconds) or a full queue's retry delay.
   template <typename Response, typename Invoke>
   Result<Response> call(const Invoke& invoke);
 

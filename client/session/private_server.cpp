@@ -38,14 +38,15 @@ Error start_failure(const DataDirectory& directory, const std::string& what) {
 }
 
 Result<pid_t> start_supervisor(const DataDirectory& directory, const Settings& settings) {
-  return start_child({.command = {program_directory() / "granary", "up", "--private", "--data",
-                                  directory.path(), "--log-level",
-                                  settings[SettingKey::log_level].value},
-                      .log_file = directory.private_log(),
-                      .detached = true});
+  return start_child(
+      {.command = {program_directory() / "granary", "up", "--private", "--data", directory.path(),
+                   "--log-level", settings[SettingKey::log_level].value},
+       .log_file = directory.private_log(),
+       .detached = true});
 }
 
-Result<std::shared_ptr<Connection>> wait_until_serving(const DataDirectory& directory, pid_t supervisor) {
+Result<std::shared_ptr<Connection>> wait_until_serving(const DataDirectory& directory,
+                                                       pid_t supervisor) {
   const auto deadline = Clock::now() + kStartTimeout;
   while (Clock::now() < deadline) {
     if (auto connection = serving_connection(directory.server_address(), kProbeTimeout))

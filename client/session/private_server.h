@@ -15,9 +15,9 @@ namespace granary::session {
 // Seconds after its last use at which the private server leaves.
 inline constexpr int kPrivateIdleExit_s = 60;
 
-// A connection to a serving server of the data directory of `settings`. Clients that call this at once
-// take turns by a lock, so one starts it and the others join. UNAVAILABLE with the end of its log
-// when it does not come up.
+// A connection to a serving server of the data directory of `settings`. Clients that call this at
+// once take turns by a lock, so one starts it and the others join. UNAVAILABLE with the end of its
+// log when it does not come up.
 Result<std::shared_ptr<Connection>> join_private_server(
     const Settings& settings, const std::function<void(std::string_view)>& notice);
 

@@ -1,5 +1,5 @@
-// When a dead child process is started again: at once, unless it keeps dying young, then after delays
-// that double. Pure: times are arguments.
+// When a dead child process is started again: at once, unless it keeps dying young, then after
+// delays that double. Pure: times are arguments.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@ namespace granary::session {
 
 class RestartPolicy {
  public:
-  static constexpr double kYoung_s = 5;      // a life shorter than this counts as a failed start
+  static constexpr double kYoung_s = 5;  // a life shorter than this counts as a failed start
   static constexpr double kFirstDelay_s = 0.25;
   static constexpr double kLongestDelay_s = 30;
 

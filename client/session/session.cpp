@@ -48,7 +48,8 @@ std::optional<double> server_retry_delay_s(const grpc::ClientContext& context) {
   const auto& trailing = context.GetServerTrailingMetadata();
   const auto found = trailing.find("grpc-retry-pushback-ms");
   if (found == trailing.end()) return std::nullopt;
-  const double delay_ms = std::atof(std::string(found->second.data(), found->second.size()).c_str());
+  const double delay_ms =
+      std::atof(std::string(found->second.data(), found->second.size()).c_str());
   if (!(delay_ms >= 0)) return std::nullopt;
   return std::min(delay_ms / 1000, 30.0);
 }
@@ -102,9 +103,13 @@ Result<std::unique_ptr<Session>> Session::open(const Settings& settings, Notice 
   return std::unique_ptr<Session>(new Session(std::move(link)));
 }
 
-const std::string& Session::address() const { return link_->connection().address(); }
+const std::string& Session::address() const {
+  return link_->connection().address();
+}
 
-Status Session::reconnect() { return link_->renew(); }
+Status Session::reconnect() {
+  return link_->renew();
+}
 
 Result<std::vector<std::string>> Session::submit(v1::SubmitJobsRequest request) {
   if (request.request_id().empty()) request.set_request_id(random_id());
@@ -143,11 +148,11 @@ Result<v1::Job> Session::retry(const std::string& name) {
   v1::RetryJobRequest request;
   request.set_name(name);
   int tries = 0;
-  auto job = link_->call<v1::Job>([&](Connection& connection, grpc::ClientContext& context,
-                                      auto* answer) {
-    ++tries;
-    return connection.jobs().Retry(&context, request, answer);
-  });
+  auto job =
+      link_->call<v1::Job>([&](Connection& connection, grpc::ClientContext& context, auto* answer) {
+        ++tries;
+        return connection.jobs().Retry(&context, request, answer);
+      });
   // The answer to an earlier try was lost: the job is queued because we asked for it.
   if (!job && tries > 1 && job.error().code == ErrorCode::failed_precondition) return get(name);
   return job;

@@ -14,7 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path home_of(const Environment& environment) { return environment("HOME").value_or("/"); }
+fs::path home_of(const Environment& environment) {
+  return environment("HOME").value_or("/");
+}
 
 std::string default_data(const Environment& environment) {
   if (auto xdg = environment("XDG_DATA_HOME")) return fs::path(*xdg) / "granary";
@@ -23,10 +25,14 @@ std::string default_data(const Environment& environment) {
 
 std::string default_of(SettingKey key, const Environment& environment) {
   switch (key) {
-    case SettingKey::data: return default_data(environment);
-    case SettingKey::log_level: return "info";
-    case SettingKey::threads: return "0";
-    default: return "";
+    case SettingKey::data:
+      return default_data(environment);
+    case SettingKey::log_level:
+      return "info";
+    case SettingKey::threads:
+      return "0";
+    default:
+      return "";
   }
 }
 
@@ -36,8 +42,7 @@ Result<std::map<std::string, ConfigEntry>> read_config(const fs::path& path) {
   std::ifstream file(path);
   std::stringstream text;
   text << file.rdbuf();
-  if (!file)
-    return Error{ErrorCode::invalid_argument, path.string() + ": cannot be read", ""};
+  if (!file) return Error{ErrorCode::invalid_argument, path.string() + ": cannot be read", ""};
   return parse_config(text.str(), path.string());
 }
 

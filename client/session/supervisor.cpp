@@ -43,9 +43,7 @@ std::string local_address_of(const std::string& listen) {
 }
 
 Supervisor::Supervisor(DataDirectory directory, SupervisorOptions options, Notice notice)
-    : directory_(std::move(directory)),
-      options_(std::move(options)),
-      notice_(std::move(notice)) {}
+    : directory_(std::move(directory)), options_(std::move(options)), notice_(std::move(notice)) {}
 
 Status Supervisor::run(const std::function<void(const std::string&)>& on_ready) {
   const auto lock = options_.wait_for_predecessor ? FileLock::wait(directory_.supervisor_lock())
@@ -53,7 +51,8 @@ Status Supervisor::run(const std::function<void(const std::string&)>& on_ready) 
   if (!lock && lock.error().code == ErrorCode::failed_precondition)
     return Error{ErrorCode::failed_precondition,
                  "data directory " + directory_.path().string() +
-                     " is in use by another granary up (server " + directory_.server_address() + ")",
+                     " is in use by another granary up (server " + directory_.server_address() +
+                     ")",
                  ""};
   if (!lock) return lock.error();
   const sigset_t watched = watched_signals();
@@ -77,8 +76,9 @@ Status Supervisor::prepare() {
   address_ = local_address_of(listen);
   const std::filesystem::path programs = program_directory();
   server_.what = "server";
-  server_.command = {programs / "granaryd",  "--data", directory_.path(), "--listen", listen,
-                     "--log-level", options_.log_level};
+  server_.command = {
+      programs / "granaryd", "--data",          directory_.path(), "--listen", listen,
+      "--log-level",         options_.log_level};
   if (options_.idle_exit_s > 0) {
     server_.command.push_back("--idle-exit");
     server_.command.push_back(std::to_string(options_.idle_exit_s));
@@ -86,8 +86,9 @@ Status Supervisor::prepare() {
   for (int number = 1; number <= options_.worker_count; ++number) {
     Child& worker = workers_.emplace_back();
     worker.what = "worker " + std::to_string(number);
-    worker.command = {programs / "granary-worker", "--server", address_, "--slots", "1",
-                      "--work-dir", directory_.worker_directory(number)};
+    worker.command = {
+        programs / "granary-worker",        "--server", address_, "--slots", "1", "--work-dir",
+        directory_.worker_directory(number)};
   }
   return directory_.write_server_address(address_);
 }

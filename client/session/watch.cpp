@@ -10,6 +10,7 @@ namespace granary::session {
 namespace {
 
 constexpr BackoffLimits kReconnect{.first_s = 0.1, .longest_s = 5, .patience_s = 300};
+constexpr int kTriesBeforeNotice = 4;  // about a second: a restart of the server is no news
 
 // A stream that ended with one of these says nothing about the job.
 bool is_broken_stream(const grpc::Status& status) {
@@ -20,8 +21,10 @@ bool is_broken_stream(const grpc::Status& status) {
     case grpc::StatusCode::INTERNAL:
     case grpc::StatusCode::UNKNOWN:
     case grpc::StatusCode::ABORTED:
-    case grpc::StatusCode::RESOURCE_EXHAUSTED: return true;
-    default: return false;
+    case grpc::StatusCode::RESOURCE_EXHAUSTED:
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -56,6 +59,7 @@ Result<std::optional<v1::Job>> Session::watch(const std::string& name, const Eve
   v1::WatchJobRequest request;
   request.set_name(name);
   Backoff backoff(kReconnect);
+  int silent_tries = 0;
   for (;;) {
     const StreamEnd end = read_stream(link_->connection(), request, sink, interrupt);
     if (end.job_ended) {
@@ -66,6 +70,9 @@ Result<std::optional<v1::Job>> Session::watch(const std::string& name, const Eve
     if (interrupt.requested()) return std::optional<v1::Job>();
     if (!is_broken_stream(end.status)) return error_from(end.status);
     if (end.heard) backoff.reset();
+    silent_tries = end.heard ? 0 : silent_tries + 1;
+    if (silent_tries == kTriesBeforeNotice)
+      link_->notice()(NoticeLevel::normal, "the server does not answer; trying for five minutes");
     const auto delay_s = backoff.next_delay_s(link_->jitter());
     if (!delay_s) return error_from(end.status);
     link_->notice()(NoticeLevel::detail, "the stream broke (" + end.status.error_message() +

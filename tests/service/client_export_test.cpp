@@ -51,8 +51,7 @@ class ClientExport : public ClientTest {
 };
 
 TEST_F(ClientExport, csv_holds_every_digit_of_the_stored_tables) {
-  const Outputs outputs =
-      granary({"export", "jobs/1", "--to", "csv", "-o", scratch_.file("out")});
+  const Outputs outputs = granary({"export", "jobs/1", "--to", "csv", "-o", scratch_.file("out")});
   ASSERT_EQ(outputs.exit_code, 0) << outputs.err;
   EXPECT_THAT(outputs.out, HasSubstr(scratch_.file("out/remaining.csv") + "\n"));
 

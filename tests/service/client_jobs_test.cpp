@@ -124,7 +124,9 @@ TEST_F(ClientJobs, explain_lists_decisions_with_who_and_why) {
 }
 
 TEST_F(ClientJobs, logs_cannot_control_the_terminal) {
-  jobs().add("jobs/1").logs = {"step 1", "\x1b]0;evil\x07" "step 2"};
+  jobs().add("jobs/1").logs = {"step 1",
+                               "\x1b]0;evil\x07"
+                               "step 2"};
   EXPECT_EQ(granary({"logs", "1"}).out, "step 1\n ]0;evil step 2\n");
 }
 

@@ -38,9 +38,10 @@ TEST_F(ClientOffline, usage_errors_are_exit_2_with_one_line_and_the_nearest_name
 }
 
 TEST_F(ClientOffline, every_verb_has_help_with_an_example) {
-  for (const char* verb : {"run", "up", "check", "submit", "watch", "status", "ls", "cancel",
-                           "retry", "delete", "logs", "workers", "values", "explain", "fetch",
-                           "verify", "health", "completion"}) {
+  for (const char* verb :
+       {"run",    "up",     "check",  "submit",     "watch",   "status", "ls",
+        "cancel", "retry",  "delete", "logs",       "workers", "values", "explain",
+        "fetch",  "verify", "health", "completion", "export",  "scene",  "config"}) {
     const Outputs outputs = granary({verb, "--help"});
     EXPECT_EQ(outputs.exit_code, 0) << verb;
     EXPECT_THAT(outputs.out, HasSubstr(std::string("Example:\n  ")));
@@ -53,8 +54,7 @@ TEST_F(ClientOffline, every_verb_has_help_with_an_example) {
 TEST_F(ClientOffline, config_show_says_where_each_value_comes_from) {
   environment_["GRANARY_DATA"] = "/srv/g";
   environment_["GRANARY_LOG_LEVEL"] = "warn";
-  const Outputs outputs =
-      granary({"config", "show", "--server", "h:1", "--format", "json"});
+  const Outputs outputs = granary({"config", "show", "--server", "h:1", "--format", "json"});
   EXPECT_EQ(outputs.exit_code, 0) << outputs.err;
   Json by_key;
   for (const Json& row : Json::parse(outputs.out)) by_key[row["key"].get<std::string>()] = row;
@@ -95,8 +95,7 @@ TEST_F(ClientOffline, every_commented_out_field_of_a_new_scene_is_a_real_one) {
     std::string all;
     for (std::string line; std::getline(lines, line);) {
       const auto mark = line.find("# ");
-      const bool is_field = mark != std::string::npos &&
-                            line.find_first_not_of(' ') == mark &&
+      const bool is_field = mark != std::string::npos && line.find_first_not_of(' ') == mark &&
                             line.find(": ", mark) != std::string::npos &&
                             line.find("; ") != std::string::npos;
       if (is_field && line.find("rademacher_ka") == std::string::npos) line.erase(mark, 2);
@@ -108,8 +107,8 @@ TEST_F(ClientOffline, every_commented_out_field_of_a_new_scene_is_a_real_one) {
 }
 
 TEST_F(ClientOffline, check_prints_effects_with_numbers_and_every_setting_with_who_chose_it) {
-  const Outputs outputs = granary({"check", scene(), "--format", "json", "--set",
-                                   "discharge.particles.count=123"});
+  const Outputs outputs =
+      granary({"check", scene(), "--format", "json", "--set", "discharge.particles.count=123"});
   EXPECT_EQ(outputs.exit_code, 0) << outputs.err;
   const Json plan = Json::parse(outputs.out);
   EXPECT_EQ(plan["particles"], 123);
@@ -146,7 +145,8 @@ TEST_F(ClientOffline, bash_completion_offers_verbs_options_and_values) {
     const std::string script = "source " + scratch_.file("completion") + "; COMP_WORDS=(" + words +
                                "); COMP_CWORD=" + std::to_string(position) +
                                "; _granary; echo \"${COMPREPLY[@]}\"";
-    return run_program({.command = {"/bin/bash", "-c", script}, .environment = {}, .input = ""}).out;
+    return run_program({.command = {"/bin/bash", "-c", script}, .environment = {}, .input = ""})
+        .out;
   };
   EXPECT_EQ(offers("granary sub", 1), "submit\n");
   EXPECT_EQ(offers("granary submit --ti", 2), "--time-limit\n");

@@ -22,8 +22,8 @@ double seconds_of(const std::function<void()>& act) {
 class ClientSession : public ClientTest {};
 
 TEST_F(ClientSession, absent_named_server_is_exit_4_at_once) {
-  for (const std::string& address : {"unix:" + scratch_.file("nobody.sock"),
-                                     std::string("127.0.0.1:1")}) {
+  for (const std::string& address :
+       {"unix:" + scratch_.file("nobody.sock"), std::string("127.0.0.1:1")}) {
     environment_["GRANARY_SERVER"] = address;
     const double elapsed_s = seconds_of([&] {
       const Outputs outputs = granary({"ls"});
@@ -101,15 +101,15 @@ TEST_F(ClientSession, health_is_ok_while_serving_and_4_while_draining) {
 }
 
 TEST_F(ClientSession, every_code_of_the_server_has_its_exit_code) {
-  for (const auto& [status, code] : std::vector<std::pair<grpc::StatusCode, int>>{
-           {grpc::StatusCode::INVALID_ARGUMENT, 2},
-           {grpc::StatusCode::FAILED_PRECONDITION, 2},
-           {grpc::StatusCode::NOT_FOUND, 3},
-           {grpc::StatusCode::PERMISSION_DENIED, 5},
-           {grpc::StatusCode::UNAUTHENTICATED, 5},
-           {grpc::StatusCode::DATA_LOSS, 9},
-           {grpc::StatusCode::INTERNAL, 1}}) {
-    jobs().fail("List", {status, "because\nof this"});
+  for (const auto& [status, code] :
+       std::vector<std::pair<ErrorCode, int>>{{ErrorCode::invalid_argument, 2},
+                                              {ErrorCode::failed_precondition, 2},
+                                              {ErrorCode::not_found, 3},
+                                              {ErrorCode::permission_denied, 5},
+                                              {ErrorCode::unauthenticated, 5},
+                                              {ErrorCode::data_loss, 9},
+                                              {ErrorCode::internal, 1}}) {
+    jobs().fail("List", status, "because\nof this");
     const Outputs outputs = granary({"ls"});
     EXPECT_EQ(outputs.exit_code, code);
     EXPECT_EQ(outputs.err, "granary: because of this\n");

@@ -87,7 +87,7 @@ TEST_F(ClientSubmit, wait_without_json_still_prints_names_alone) {
 }
 
 TEST_F(ClientSubmit, refusal_of_the_server_is_one_line_and_its_code) {
-  jobs().fail("Submit", {grpc::StatusCode::RESOURCE_EXHAUSTED, "the queue is full"});
+  jobs().fail("Submit", ErrorCode::resource_exhausted, "the queue is full");
   const Outputs outputs = granary({"submit", scene()});
   EXPECT_EQ(outputs.exit_code, 1);
   EXPECT_THAT(outputs.err, IsOneErrorLine());
@@ -122,7 +122,9 @@ TEST_F(ClientRun, writes_data_to_the_file_of_o) {
   EXPECT_EQ(Json::parse(file_text(scratch_.file("values.json")))["job"], "jobs/new1");
 }
 
-TEST_F(ClientRun, takes_one_scene) { EXPECT_EQ(granary({"run", scene(), scene()}).exit_code, 2); }
+TEST_F(ClientRun, takes_one_scene) {
+  EXPECT_EQ(granary({"run", scene(), scene()}).exit_code, 2);
+}
 
 }  // namespace
 }  // namespace granary::test

@@ -35,7 +35,7 @@ class ClientTest : public ::testing::Test {
     return run_program(command(std::move(arguments), input));
   }
   std::string scene() { return scratch_.write("scene.txtpb", kSmallScene); }
-  FakeJobsService& jobs() { return server_.jobs(); }
+  FakeJobs& jobs() { return server_.jobs(); }
 
   ScratchDirectory scratch_;
   FakeServer server_;

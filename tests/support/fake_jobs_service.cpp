@@ -1,12 +1,15 @@
 #include "tests/support/fake_jobs_service.h"
 
 #include <grpc/grpc.h>
+#include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
 #include <algorithm>
 #include <chrono>
 #include <thread>
 
+#include "granary/v1/job.grpc.pb.h"
+#include "granary/v1/worker.grpc.pb.h"
 #include "proto/contract/job_state.h"
 
 namespace granary::test {
@@ -33,7 +36,7 @@ v1::JobEvent progress_event(std::uint64_t sequence, double fraction) {
   return event;
 }
 
-FakeJob& FakeJobsService::add(const std::string& name, v1::JobState state) {
+FakeJob& FakeJobs::add(const std::string& name, v1::JobState state) {
   const std::lock_guard lock(mutex_);
   FakeJob& fake = jobs_[name];
   fake.job.set_name(name);
@@ -42,69 +45,109 @@ FakeJob& FakeJobsService::add(const std::string& name, v1::JobState state) {
   fake.values.set_name(name);
   fake.values.set_kind("discharge");
   fake.values.set_state(state);
-  fake.events = {state_event(1, v1::WAITING), state_event(2, v1::RUNNING),
-                 progress_event(3, 0.25), progress_event(4, 0.5)};
+  fake.events = {state_event(1, v1::WAITING), state_event(2, v1::RUNNING), progress_event(3, 0.25),
+                 progress_event(4, 0.5)};
   if (is_final(state)) fake.events.push_back(state_event(5, state));
   return fake;
 }
 
-void FakeJobsService::lose_replies(const std::string& method, int count) {
+void FakeJobs::lose_replies(const std::string& method, int count) {
   const std::lock_guard lock(mutex_);
   lost_replies_[method] = count;
 }
 
-void FakeJobsService::fail(const std::string& method, grpc::Status status) {
+void FakeJobs::fail(const std::string& method, ErrorCode code, const std::string& message) {
   const std::lock_guard lock(mutex_);
-  failures_[method] = std::move(status);
+  failures_[method] = {code, message};
 }
 
-std::vector<v1::SubmitJobsRequest> FakeJobsService::submissions() {
+std::vector<v1::SubmitJobsRequest> FakeJobs::submissions() {
   const std::lock_guard lock(mutex_);
   return submissions_;
 }
 
-std::vector<v1::WatchJobRequest> FakeJobsService::watches() {
+std::vector<v1::WatchJobRequest> FakeJobs::watches() {
   const std::lock_guard lock(mutex_);
   return watches_;
 }
 
-std::vector<v1::DownloadRequest> FakeJobsService::downloads() {
+std::vector<v1::DownloadRequest> FakeJobs::downloads() {
   const std::lock_guard lock(mutex_);
   return downloads_;
 }
 
-int FakeJobsService::calls(const std::string& method) {
+int FakeJobs::calls(const std::string& method) {
   const std::lock_guard lock(mutex_);
   return calls_[method];
 }
 
+class FakeJobsService final : public v1::Jobs::Service {
+ public:
+  explicit FakeJobsService(FakeJobs& fake) : fake_(fake) {}
+
+  using Context = grpc::ServerContext;
+  grpc::Status Submit(Context*, const v1::SubmitJobsRequest*, v1::SubmitJobsResponse*) override;
+  grpc::Status Get(Context*, const v1::GetJobRequest*, v1::Job*) override;
+  grpc::Status List(Context*, const v1::ListJobsRequest*, v1::ListJobsResponse*) override;
+  grpc::Status Watch(Context*, const v1::WatchJobRequest*,
+                     grpc::ServerWriter<v1::JobEvent>*) override;
+  grpc::Status Cancel(Context*, const v1::CancelJobRequest*, v1::Job*) override;
+  grpc::Status Retry(Context*, const v1::RetryJobRequest*, v1::Job*) override;
+  grpc::Status Delete(Context*, const v1::DeleteJobRequest*, v1::DeleteJobResponse*) override;
+  grpc::Status GetValues(Context*, const v1::GetValuesRequest*, v1::GetValuesResponse*) override;
+  grpc::Status GetLogs(Context*, const v1::GetLogsRequest*, v1::GetLogsResponse*) override;
+  grpc::Status Download(Context*, const v1::DownloadRequest*,
+                        grpc::ServerWriter<v1::DownloadChunk>*) override;
+  grpc::Status GetServerInfo(Context*, const v1::GetServerInfoRequest*,
+                             v1::GetServerInfoResponse*) override;
+
+ private:
+  // Counts the call and judges the token; OK to go on.
+  grpc::Status enter(Context* context, const std::string& method);
+  // UNAVAILABLE when this reply is to be lost.
+  grpc::Status leave(const std::string& method);
+  template <typename Change>
+  grpc::Status on_job(Context* context, const std::string& method, const std::string& name,
+                      const Change& change);
+
+  FakeJobs& fake_;
+};
+
+class FakeWorkersService final : public v1::Workers::Service {
+ public:
+  grpc::Status List(grpc::ServerContext*, const v1::ListWorkersRequest*,
+                    v1::ListWorkersResponse* response) override;
+};
+
 grpc::Status FakeJobsService::enter(Context* context, const std::string& method) {
-  ++calls_[method];
+  ++fake_.calls_[method];
   const auto& metadata = context->client_metadata();
   const auto found = metadata.find("authorization");
   const std::string given =
       found == metadata.end() ? "" : std::string(found->second.data(), found->second.size());
-  if (!token_.empty() && given != "Bearer " + token_)
+  if (!fake_.token_.empty() && given != "Bearer " + fake_.token_)
     return {grpc::StatusCode::UNAUTHENTICATED, "a valid token is needed"};
-  const auto failure = failures_.find(method);
-  return failure == failures_.end() ? grpc::Status::OK : failure->second;
+  const auto failure = fake_.failures_.find(method);
+  if (failure == fake_.failures_.end()) return grpc::Status::OK;
+  const auto& [code, message] = failure->second;
+  return {static_cast<grpc::StatusCode>(code), message};
 }
 
 grpc::Status FakeJobsService::leave(const std::string& method) {
-  return lost_replies_[method]-- > 0 ? kLost : grpc::Status::OK;
+  return fake_.lost_replies_[method]-- > 0 ? kLost : grpc::Status::OK;
 }
 
 grpc::Status FakeJobsService::Submit(Context* context, const v1::SubmitJobsRequest* request,
                                      v1::SubmitJobsResponse* response) {
-  std::unique_lock lock(mutex_);
+  std::unique_lock lock(fake_.mutex_);
   if (auto status = enter(context, "Submit"); !status.ok()) return status;
-  submissions_.push_back(*request);
-  std::vector<std::string>& names = by_request_id_[request->request_id()];
+  fake_.submissions_.push_back(*request);
+  std::vector<std::string>& names = fake_.by_request_id_[request->request_id()];
   if (names.empty())
     for (int i = 0; i < request->items_size(); ++i) {
-      names.push_back("jobs/new" + std::to_string(jobs_.size() + 1));
+      names.push_back("jobs/new" + std::to_string(fake_.jobs_.size() + 1));
       lock.unlock();
-      add(names.back());
+      fake_.add(names.back());
       lock.lock();
     }
   *response->mutable_names() = {names.begin(), names.end()};
@@ -114,10 +157,10 @@ grpc::Status FakeJobsService::Submit(Context* context, const v1::SubmitJobsReque
 template <typename Change>
 grpc::Status FakeJobsService::on_job(Context* context, const std::string& method,
                                      const std::string& name, const Change& change) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(fake_.mutex_);
   if (auto status = enter(context, method); !status.ok()) return status;
-  const auto found = jobs_.find(name);
-  if (found == jobs_.end()) return {grpc::StatusCode::NOT_FOUND, name + " does not exist"};
+  const auto found = fake_.jobs_.find(name);
+  if (found == fake_.jobs_.end()) return {grpc::StatusCode::NOT_FOUND, name + " does not exist"};
   change(found);
   return leave(method);
 }
@@ -149,7 +192,7 @@ grpc::Status FakeJobsService::Retry(Context* context, const v1::RetryJobRequest*
 
 grpc::Status FakeJobsService::Delete(Context* context, const v1::DeleteJobRequest* request,
                                      v1::DeleteJobResponse*) {
-  return on_job(context, "Delete", request->name(), [&](auto found) { jobs_.erase(found); });
+  return on_job(context, "Delete", request->name(), [&](auto found) { fake_.jobs_.erase(found); });
 }
 
 grpc::Status FakeJobsService::GetValues(Context* context, const v1::GetValuesRequest* request,
@@ -167,9 +210,9 @@ grpc::Status FakeJobsService::GetLogs(Context* context, const v1::GetLogsRequest
 
 grpc::Status FakeJobsService::List(Context* context, const v1::ListJobsRequest* request,
                                    v1::ListJobsResponse* response) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(fake_.mutex_);
   if (auto status = enter(context, "List"); !status.ok()) return status;
-  for (const auto& [name, fake] : jobs_) {
+  for (const auto& [name, fake] : fake_.jobs_) {
     if (name <= request->page_token()) continue;
     if (request->state() != v1::JOB_STATE_UNSPECIFIED && request->state() != fake.job.state())
       continue;
@@ -187,7 +230,7 @@ grpc::Status FakeJobsService::Watch(Context* context, const v1::WatchJobRequest*
   FakeJob fake;
   std::size_t cut = SIZE_MAX;
   const auto entered = on_job(context, "Watch", request->name(), [&](auto found) {
-    watches_.push_back(*request);
+    fake_.watches_.push_back(*request);
     auto& cuts = found->second.cut_watch;
     if (!cuts.empty()) {
       cut = cuts.front();
@@ -211,7 +254,7 @@ grpc::Status FakeJobsService::Download(Context* context, const v1::DownloadReque
   FakeJob fake;
   std::size_t cut = SIZE_MAX;
   const auto entered = on_job(context, "Download", request->name(), [&](auto found) {
-    downloads_.push_back(*request);
+    fake_.downloads_.push_back(*request);
     auto& cuts = found->second.cut_download;
     if (!cuts.empty()) {
       cut = cuts.front();
@@ -220,7 +263,8 @@ grpc::Status FakeJobsService::Download(Context* context, const v1::DownloadReque
     fake = found->second;
   });
   if (!entered.ok()) return entered;
-  const std::size_t end = std::min(fake.file.size(), request->offset_bytes() + std::min(cut, fake.file.size()));
+  const std::size_t end =
+      std::min(fake.file.size(), request->offset_bytes() + std::min(cut, fake.file.size()));
   for (std::size_t at = request->offset_bytes(); at < end; at += kChunk_bytes) {
     v1::DownloadChunk chunk;
     if (at == request->offset_bytes()) *chunk.mutable_artifact() = fake.job.result();
@@ -233,7 +277,7 @@ grpc::Status FakeJobsService::Download(Context* context, const v1::DownloadReque
 
 grpc::Status FakeJobsService::GetServerInfo(Context* context, const v1::GetServerInfoRequest*,
                                             v1::GetServerInfoResponse* response) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(fake_.mutex_);
   if (auto status = enter(context, "GetServerInfo"); !status.ok()) return status;
   response->set_version("0.0-fake");
   response->set_workers(2);
@@ -250,12 +294,21 @@ grpc::Status FakeWorkersService::List(grpc::ServerContext*, const v1::ListWorker
   return grpc::Status::OK;
 }
 
+struct FakeServer::Services {
+  explicit Services(FakeJobs& fake) : jobs(fake) {}
+  FakeJobsService jobs;
+  FakeWorkersService workers;
+  std::unique_ptr<grpc::Server> server;
+};
+
 FakeServer::FakeServer(const std::string& directory)
-    : address_("unix:" + directory + "/fake.sock") {
+    : address_("unix:" + directory + "/fake.sock"), services_(std::make_unique<Services>(jobs_)) {
   start();
 }
 
-FakeServer::~FakeServer() { stop(); }
+FakeServer::~FakeServer() {
+  stop();
+}
 
 void FakeServer::start() {
   // Never shut down: that can wait ten seconds for a helper that polls for a blocked write.
@@ -267,14 +320,14 @@ void FakeServer::start() {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::ServerBuilder builder;
   builder.AddListeningPort(address_, grpc::InsecureServerCredentials());
-  builder.RegisterService(&jobs_);
-  builder.RegisterService(&workers_);
-  server_ = builder.BuildAndStart();
+  builder.RegisterService(&services_->jobs);
+  builder.RegisterService(&services_->workers);
+  services_->server = builder.BuildAndStart();
 }
 
 void FakeServer::stop() {
-  server_->Shutdown(std::chrono::system_clock::now());
-  server_->Wait();
+  services_->server->Shutdown(std::chrono::system_clock::now());
+  services_->server->Wait();
 }
 
 void FakeServer::restart() {
@@ -283,7 +336,7 @@ void FakeServer::restart() {
 }
 
 void FakeServer::set_serving(bool serving) {
-  server_->GetHealthCheckService()->SetServingStatus(serving);
+  services_->server->GetHealthCheckService()->SetServingStatus(serving);
 }
 
 }  // namespace granary::test

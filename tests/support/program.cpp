@@ -123,15 +123,16 @@ int Program::wait(std::chrono::seconds patience) {
   return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_);
 }
 
-void Program::signal(int number) const { kill(pid_, number); }
+void Program::signal(int number) const {
+  kill(pid_, number);
+}
 
 bool Program::prints(const std::string& text, std::chrono::seconds patience) {
   std::unique_lock lock(mutex_);
   const auto there = [&] {
     return out_.text.find(text) != std::string::npos || err_.text.find(text) != std::string::npos;
   };
-  changed_.wait_for(lock, patience,
-                    [&] { return there() || (out_.ended && err_.ended); });
+  changed_.wait_for(lock, patience, [&] { return there() || (out_.ended && err_.ended); });
   return there();
 }
 

@@ -1,5 +1,5 @@
-// Runs a real program under test: arguments, environment and stdin in, exit code and both outputs out.
-// Nothing waits without a deadline.
+// Runs a real program under test: arguments, environment and stdin in, exit code and both outputs
+// out. Nothing waits without a deadline.
 #pragma once
 
 #include <sys/types.h>

@@ -28,9 +28,8 @@ TEST(StartChild, runs_the_program_with_its_output_in_the_log) {
 TEST(StartChild, says_why_a_program_cannot_start) {
   const auto pid = start_child({.command = {"/no/such/program"}, .log_file = {}});
   ASSERT_FALSE(pid.ok());
-  EXPECT_THAT(pid.error().message,
-              testing::AllOf(testing::HasSubstr("/no/such/program"),
-                             testing::HasSubstr("No such file")));
+  EXPECT_THAT(pid.error().message, testing::AllOf(testing::HasSubstr("/no/such/program"),
+                                                  testing::HasSubstr("No such file")));
 }
 
 TEST(StartChild, puts_the_child_out_of_reach_of_the_terminal_s_interrupt) {

@@ -58,6 +58,22 @@ TEST(ProgressLine, hides_numbers_that_are_none) {
     EXPECT_EQ(line.find(absent), std::string::npos) << line;
 }
 
+TEST(ProgressLine, shows_the_criteria_alone_once_they_are_there) {
+  v1::Progress progress;
+  for (const char* name : {"a50_deg", "b", "c", "d", "e"})
+    (*progress.mutable_current_values())[name] = 1;
+  EXPECT_NE(progress_line(progress).find("a50_deg 1  b 1  c 1  d 1"), std::string::npos);
+  EXPECT_EQ(progress_line(progress).find("e 1"), std::string::npos);
+  (*progress.mutable_current_values())["f4_m"] = 0.5;
+  EXPECT_EQ(progress_line(progress), "[....................]   0 %  f4_m 0.5");
+}
+
+TEST(ProgressLine, leaves_out_an_end_that_is_behind) {
+  v1::Progress progress = rotation();
+  progress.set_time_s(1.9);  // still landing after the end of the rotation
+  EXPECT_NE(progress_line(progress).find("  t 1.9 s  "), std::string::npos);
+}
+
 TEST(ProgressLine, counts_replicates_from_one) {
   v1::Progress progress;
   progress.set_replicates(4);

@@ -78,20 +78,20 @@ TEST_F(SettingsPrecedence, unknown_key_gets_line_and_nearest_name) {
 }
 
 TEST_F(SettingsPrecedence, impossible_values_name_their_source) {
-  for (const auto& [key, value] : std::vector<std::pair<SettingKey, const char*>>{
-           {SettingKey::server, "nocolon"},
-           {SettingKey::server, "host:70000"},
-           {SettingKey::server, ":80"},
-           {SettingKey::server, "unix:"},
-           {SettingKey::threads, "-1"},
-           {SettingKey::threads, "many"},
-           {SettingKey::threads, "257"},
-           {SettingKey::log_level, "loud"}}) {
+  for (const auto& [key, value] :
+       std::vector<std::pair<SettingKey, const char*>>{{SettingKey::server, "nocolon"},
+                                                       {SettingKey::server, "host:70000"},
+                                                       {SettingKey::server, ":80"},
+                                                       {SettingKey::server, "unix:"},
+                                                       {SettingKey::threads, "-1"},
+                                                       {SettingKey::threads, "many"},
+                                                       {SettingKey::threads, "257"},
+                                                       {SettingKey::log_level, "loud"}}) {
     const auto settings = resolve({{key, value}});
     ASSERT_FALSE(settings.ok()) << value;
     EXPECT_EQ(settings.error().code, ErrorCode::invalid_argument);
-    EXPECT_THAT(settings.error().message,
-                testing::AllOf(HasSubstr("option --"), HasSubstr(value))) << value;
+    EXPECT_THAT(settings.error().message, testing::AllOf(HasSubstr("option --"), HasSubstr(value)))
+        << value;
   }
 }
 

@@ -6,8 +6,7 @@ namespace granary::render {
 namespace {
 
 Table sample() {
-  return {{"job", "value", "note"},
-          {{"jobs/1", 1.0 / 3, nullptr}, {"jobs/12", 12, "a,b \"c\""}}};
+  return {{"job", "value", "note"}, {{"jobs/1", 1.0 / 3, nullptr}, {"jobs/12", 12, "a,b \"c\""}}};
 }
 
 TEST(Table, aligns_columns_rounds_numbers_and_marks_the_unknown) {
@@ -43,6 +42,11 @@ TEST(Table, tags_and_lists_fit_into_one_cell) {
 TEST(Table, never_sends_foreign_control_characters_to_a_terminal) {
   const Table table{{"error"}, {{"bad\x1b[31m\nline"}}};
   EXPECT_EQ(as_aligned_text(table), "error\nbad [31m line\n");
+}
+
+TEST(Table, survives_text_that_is_not_utf_8) {
+  EXPECT_EQ(render_rows({{"file"}, {{"a\xFF.h5"}}}, Format::json, JsonShape::lines),
+            "{\"file\":\"a\xEF\xBF\xBD.h5\"}\n");
 }
 
 TEST(Table, counts_characters_not_bytes) {
