@@ -110,9 +110,14 @@ core::Table bucket_table(const dda::BucketGeometry& bucket) {
 std::vector<std::string> warnings_of(const dda::System& system, const DischargeRecord& record) {
   std::vector<std::string> warnings;
   if (!record.settled) warnings.push_back("the filling had not come to rest when the motion began");
-  if (system.counters.unconverged_steps > 0)
-    warnings.push_back(std::to_string(system.counters.unconverged_steps) +
+  const dda::StepCounters& c = system.counters;
+  if (c.unconverged_steps > 0)
+    warnings.push_back(std::to_string(c.unconverged_steps) + " of " + std::to_string(c.steps) +
                        " steps stopped at discharge.solver.max_iterations before their tolerance");
+  if (c.open_close_iterations > 0)
+    warnings.push_back("open-close: " + std::to_string(c.open_close_iterations) +
+                       " iterations, the penalty grew " + std::to_string(c.penalty_growths) +
+                       " times");
   return warnings;
 }
 

@@ -18,7 +18,8 @@ struct DischargePlan {
 
   dda::ContactSettings contact;    // for the whole axial depth
   double filling_stiffness = 1e7;  // N/m, whole axial depth
-  dda::SolverSettings solver;      // during the rotation
+  dda::SolverSettings solver;      // during the rotation; fillings use IMPULSE, backward Euler
+  dda::PenaltyGrowth penalty;      // during the rotation
   double filling_tolerance = 1e-3;
   double gravity = 9.81;
 

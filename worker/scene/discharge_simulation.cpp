@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "worker/dda/penalty_growth.h"
 #include "worker/dda/step.h"
 #include "worker/dda/step_energy.h"
 
@@ -92,7 +93,10 @@ void DischargeSimulation::begin_filling() {
                       ? drop_array(plan_.disk_kind, *plan_.bucket)
                       : compact_order(plan_.disk_kind, *plan_.bucket);
   record_.placed_count = plan_.disk_kind.count;
-  system_.solver.tolerance = plan_.filling_tolerance;
+  // Open-close iterations do not settle in a dense pack, and Newmark's trapezoid does not come to
+  // rest (PHYSICS section F); so that solvers can be compared, all of them start from one filling.
+  system_.solver = {.tolerance = plan_.filling_tolerance};
+  system_.penalty = {};
   system_.contact.stiffness = plan_.filling_stiffness;
   dda::reset_contacts(system_);
   start_phase(DischargePhase::filling, 0, plan_.filling_time_step);
@@ -106,8 +110,10 @@ void DischargeSimulation::end_filling() {
 
 void DischargeSimulation::begin_motion() {
   const bool placed = plan_.filling == DischargePlan::Filling::placed;
-  system_.solver.tolerance = plan_.solver.tolerance;
-  system_.contact.stiffness = plan_.contact.stiffness;
+  system_.solver = plan_.solver;
+  system_.penalty = plan_.penalty;
+  system_.contact.stiffness =
+      placed ? plan_.contact.stiffness : filling_->get_scalar<double>("stiffness");
   if (placed) {
     dda::reset_contacts(system_);
   } else {
@@ -139,6 +145,8 @@ void DischargeSimulation::begin_motion() {
   record_.landing_x.assign(system_.disks.count(), std::numeric_limits<double>::quiet_NaN());
   record_.landed_inside.assign(system_.disks.count(), 0);
   dda::open_ledger(system_);
+  if (system_.contact.stiffness != plan_.contact.stiffness)
+    dda::change_penalty(system_, plan_.contact.stiffness);
   if (moves_with_belt && plan_.run_up > 0) {
     const double duration = plan_.run_up / belt_speed;
     start_phase(DischargePhase::run_up, -duration, fitting_step(duration, plan_.time_step));

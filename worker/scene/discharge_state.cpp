@@ -133,6 +133,7 @@ core::State store_filling(const dda::System& system, const dda::BucketGeometry& 
   put_list("pairs", carrying(system.lists.pairs, new_index, true), state);
   put_list("walls", carrying(system.lists.walls, new_index, false), state);
   state.put_scalar("placed_count", "1", static_cast<std::uint64_t>(placed_count));
+  state.put_scalar("stiffness", "N/m", system.contact.stiffness);
   state.put_scalar("settled", "1", static_cast<std::uint8_t>(settled));
   return state;
 }
@@ -163,7 +164,16 @@ void store_system(const dda::System& system, State& state) {
   state.put("system_counters", "1",
             std::vector<std::uint64_t>{c.steps, c.disk_steps, c.sweeps, c.contact_updates,
                                        c.unconverged_steps, system.belt_runs ? 1u : 0u,
-                                       system.report.contacts});
+                                       system.report.contacts, c.open_close_iterations,
+                                       c.linear_iterations, c.penalty_growths,
+                                       system.ledger_is_new ? 1u : 0u});
+  put_records<dda::DiskAcceleration>(state, "contact_acceleration", "m/s2, m/s2, m/s2",
+                                     system.contact_acceleration);
+  state.put("solver", "1",
+            std::vector<std::uint8_t>{static_cast<std::uint8_t>(system.solver.method),
+                                      static_cast<std::uint8_t>(system.solver.integrator)});
+  state.put("penalty_growth", "1, 1",
+            std::vector<double>{system.penalty.factor, system.penalty.tolerance});
   put_ledger(system.ledger, state);
 }
 
@@ -178,7 +188,7 @@ void load_system(const State& state, dda::System& system) {
   const auto numbers = state.get<double>("system_numbers");
   const auto counters = state.get<std::uint64_t>("system_counters");
   if (list_counters.size() != 3 || list_numbers.size() != 2 || numbers.size() != 7 ||
-      counters.size() != 7)
+      counters.size() != 11)
     throw std::runtime_error("state: it comes from another version");
   reference.age_steps = list_counters[0];
   reference.horizon_steps = list_counters[1];
@@ -194,7 +204,17 @@ void load_system(const State& state, dda::System& system) {
   system.drive.rotation_rate = numbers[4];
   system.report.kinetic_energy = numbers[5];
   system.report.worst_overlap = numbers[6];
-  system.counters = {counters[0], counters[1], counters[2], counters[3], counters[4]};
+  system.counters = {counters[0], counters[1], counters[2], counters[3],
+                     counters[4], counters[7], counters[8], counters[9]};
+  system.ledger_is_new = counters[10] != 0;
+  get_records<dda::DiskAcceleration>(state, "contact_acceleration", system.contact_acceleration);
+  const auto solver = state.get<std::uint8_t>("solver");
+  const auto penalty = state.get<double>("penalty_growth");
+  if (solver.size() != 2 || penalty.size() != 2)
+    throw std::runtime_error("state: it comes from another version");
+  system.solver.method = static_cast<dda::SolverMethod>(solver[0]);
+  system.solver.integrator = static_cast<dda::Integrator>(solver[1]);
+  system.penalty = {penalty[0], penalty[1]};
   system.belt_runs = counters[5] != 0;
   system.report.contacts = counters[6];
   get_ledger(state, system.ledger);
