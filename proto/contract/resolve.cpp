@@ -189,12 +189,13 @@ class Resolver {
     }
     out_.effects = decide_effects(out_.scene);
     v1::Effects& effects = *out_.scene.mutable_effects();
-    if (effects.gas() == v1::Effects::ON)
+    if (effects.gas() == v1::Effects::ON && out_.scene.has_chute())
       return Error{ErrorCode::invalid_argument,
                    "effects.gas: = ON is not available in this version, must be AUTO or OFF",
                    "effects.gas"};
     for (const auto& [name, report] : out_.effects) {
       const auto* field = effects.GetDescriptor()->FindFieldByName(name);
+      if (field == nullptr) continue;  // an omission that is only reported
       effects.GetReflection()->SetEnumValue(&effects, field,
                                             report.on() ? v1::Effects::ON : v1::Effects::OFF);
       if (report.chosen_by() == "auto")

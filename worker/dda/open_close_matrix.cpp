@@ -7,7 +7,7 @@
 namespace granary::dda {
 namespace {
 
-constexpr double kPcgTolerance = 1e-10;  // relative residual; well below any open-close tolerance
+constexpr double kPcgTolerance = 1e-8;  // relative residual of a Newton step, which the next one mends
 constexpr int kPcgIterations = 2000;
 
 }  // namespace

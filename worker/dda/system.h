@@ -62,6 +62,7 @@ struct StepCounters {
   std::uint64_t open_close_iterations = 0;
   std::uint64_t linear_iterations = 0;  // of PCG
   std::uint64_t penalty_growths = 0;
+  std::uint64_t drag_evaluations = 0;  // 0 proves that the air is off
 };
 
 // What the last step saw.
