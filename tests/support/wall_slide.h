@@ -4,8 +4,8 @@
 //
 // r = distance of the wall's line from the axis; S = place along the line from the foot of the
 // perpendicular, positive in the direction of rotation; alpha = angle of that perpendicular from
-// the vertical in the rotation sense; N = 2 w S' + w^2 r - g cos(alpha) = force per mass towards the
-// axis: an outer wall can give N > 0, an inner wall N < 0.
+// the vertical in the rotation sense; N = 2 w S' + w^2 r - g cos(alpha) = force per mass towards
+// the axis: an outer wall can give N > 0, an inner wall N < 0.
 #pragma once
 
 #include <functional>
@@ -19,10 +19,10 @@ struct SlideState {
 };
 
 struct WallLine {
-  double distance = 0.5;    // r [m]
-  double alpha_start = 0;   // rad, alpha at theta = 0
-  double rotation_rate = 0; // w [rad/s]
-  double friction = 0;      // mu
+  double distance = 0.5;     // r [m]
+  double alpha_start = 0;    // rad, alpha at theta = 0
+  double rotation_rate = 0;  // w [rad/s]
+  double friction = 0;       // mu
   bool outer = true;
   double gravity = 9.81;
 
@@ -34,8 +34,8 @@ struct WallLine {
 SlideState slide_by_formula(const WallLine& wall, double theta, SlideState start, double time);
 
 struct SlideEnd {
-  double onset_deg = 0;      // theta at which the bead starts to move
-  double leaving_deg = 0;    // theta at which it passes the tip or loses the wall
+  double onset_deg = 0;    // theta at which the bead starts to move
+  double leaving_deg = 0;  // theta at which it passes the tip or loses the wall
   SlideState at_end;
   bool at_tip = false;
 };
@@ -48,9 +48,9 @@ SlideEnd slide_from_rest(const WallLine& wall, double place, double tip_place,
 // The same on a curved outer wall, given by the path of the bead's centre in bucket coordinates
 // (world coordinates at theta = 0) over its arc length.
 struct PathPoint {
-  double x = 0, y = 0;          // m
+  double x = 0, y = 0;  // m
   double tangent_x = 0, tangent_y = 0;
-  double curvature = 0;         // 1/m, > 0 where the path bends towards the axis side of the wall
+  double curvature = 0;  // 1/m, > 0 where the path bends towards the axis side of the wall
 };
 using WallPath = std::function<PathPoint(double arc)>;
 SlideEnd slide_on_path(const WallPath& path, double length, double rotation_rate, double friction,

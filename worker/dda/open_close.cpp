@@ -164,11 +164,9 @@ void OpenCloseStep::add_forces(VectorXd& momentum) const {
 
 // Derivative of the energy along `direction` after `share` of it.
 double OpenCloseStep::slope(const VectorXd& direction, double share) const {
-  double sum =
-      (velocity_ + share * direction - loaded_).cwiseProduct(masses_).dot(direction);
+  double sum = (velocity_ + share * direction - loaded_).cwiseProduct(masses_).dot(direction);
   for (const PenaltyContact& c : contacts_) {
-    const Components p =
-        forces(c, {c.now.n + share * c.ahead.n, c.now.t + share * c.ahead.t});
+    const Components p = forces(c, {c.now.n + share * c.ahead.n, c.now.t + share * c.ahead.t});
     sum -= p.n * c.ahead.n + p.t * c.ahead.t;
   }
   return sum;

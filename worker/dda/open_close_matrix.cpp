@@ -7,7 +7,8 @@
 namespace granary::dda {
 namespace {
 
-constexpr double kPcgTolerance = 1e-8;  // relative residual of a Newton step, which the next one mends
+constexpr double kPcgTolerance =
+    1e-8;  // relative residual of a Newton step, which the next one mends
 constexpr int kPcgIterations = 2000;
 
 }  // namespace
@@ -94,8 +95,7 @@ bool OpenCloseMatrix::solve_pcg(const Eigen::VectorXd& right, Eigen::VectorXd& u
     Eigen::Matrix3d block;
     for (int a = 0; a < 3; ++a)
       for (int b = a; b < 3; ++b)
-        block(a, b) = block(b, a) =
-            lower_.valuePtr()[lower_.outerIndexPtr()[3 * i + a] + (b - a)];
+        block(a, b) = block(b, a) = lower_.valuePtr()[lower_.outerIndexPtr()[3 * i + a] + (b - a)];
     inverse[static_cast<std::size_t>(i)] = block.inverse();
   }
   const auto precondition = [&](const Eigen::VectorXd& r) {

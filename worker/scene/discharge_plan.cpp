@@ -163,10 +163,10 @@ DischargePlan make_discharge_plan(const v1::Scene& resolved) {
   read_disks(resolved, depth, plan);
   read_motion(d, plan);
   if (resolved.effects().gas() == v1::Effects::ON)
-    plan.air = dda::StillAir{
-        value_or(d.has_air_density_kg_per_m3(), d.air_density_kg_per_m3(), 1.2),
-        value_or(d.has_air_viscosity_pa_s(), d.air_viscosity_pa_s(), 1.81e-5),
-        d.particles().density_kg_per_m3()};
+    plan.air =
+        dda::StillAir{value_or(d.has_air_density_kg_per_m3(), d.air_density_kg_per_m3(), 1.2),
+                      value_or(d.has_air_viscosity_pa_s(), d.air_viscosity_pa_s(), 1.81e-5),
+                      d.particles().density_kg_per_m3()};
   for (const v1::Point2& point : d.target()) plan.target.push_back(point_of(point));
   if (!d.no_bucket()) plan.bucket = bucket_of(d, plan.pulley_radius);
   for (const v1::Wall2& wall : d.walls()) {

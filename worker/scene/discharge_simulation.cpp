@@ -40,7 +40,8 @@ double smallest_radius(const dda::Disks& disks) {
 bool runaway(const dda::System& system) {
   const double farthest = kHopelessPath * smallest_radius(system.disks);
   double lightest = 0;  // as inverse mass
-  for (const dda::DiskMotion& v : system.disks.motion) lightest = std::max(lightest, v.inverse_mass);
+  for (const dda::DiskMotion& v : system.disks.motion)
+    lightest = std::max(lightest, v.inverse_mass);
   const double dt2 = system.time_step * system.time_step;
   if (2 * system.report.kinetic_energy * lightest * dt2 < farthest * farthest) return false;
   for (std::size_t k = 0; k < system.disks.count(); ++k) {
@@ -268,10 +269,11 @@ std::optional<core::Rejection> DischargeSimulation::check_sentinels() const {
                            "use a smaller discharge.time_step_s or a larger "
                            "discharge.penalty.stiffness_n_per_m"};
   if (runaway(system_))
-    return core::Rejection{shown_time(),
-                           "a disk moved by more than a hundred radii in one step",
-                           {},
-                           "use a smaller discharge.time_step_s, or discharge.solver.method IMPULSE"};
+    return core::Rejection{
+        shown_time(),
+        "a disk moved by more than a hundred radii in one step",
+        {},
+        "use a smaller discharge.time_step_s, or discharge.solver.method IMPULSE"};
   return {};
 }
 

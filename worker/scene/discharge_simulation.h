@@ -61,7 +61,7 @@ class DischargeSimulation : public core::Simulation {
   std::uint64_t phase_steps_ = 0;
   double peak_kinetic_energy_ = 0;  // of the filling
   std::optional<core::State> filling_;
-  std::vector<std::uint8_t> flying_;  // scratch of note_flight
+  std::vector<std::uint8_t> flying_;         // scratch of note_flight
   mutable std::vector<core::Column> shown_;  // columns behind the last frame() or physical_state()
 };
 

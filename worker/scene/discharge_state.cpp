@@ -157,16 +157,16 @@ void store_system(const dda::System& system, State& state) {
   state.put("list_numbers", "s, m", std::vector<double>{reference.age, system.lists.skin()});
   state.put("touched", "1", system.touched);
   state.put("system_numbers", "N/m, s, s, rad/s, J, m",
-            std::vector<double>{system.contact.stiffness, system.time_step, system.time, system.drive.rotation_rate,
-                                system.report.kinetic_energy, system.report.worst_overlap});
+            std::vector<double>{system.contact.stiffness, system.time_step, system.time,
+                                system.drive.rotation_rate, system.report.kinetic_energy,
+                                system.report.worst_overlap});
   const dda::StepCounters& c = system.counters;
   state.put("system_counters", "1",
             std::vector<std::uint64_t>{c.steps, c.disk_steps, c.sweeps, c.contact_updates,
                                        c.unconverged_steps, system.belt_runs ? 1u : 0u,
                                        system.report.contacts, c.open_close_iterations,
                                        c.linear_iterations, c.penalty_growths,
-                                       system.ledger_is_new ? 1u : 0u,
-                                       c.drag_evaluations});
+                                       system.ledger_is_new ? 1u : 0u, c.drag_evaluations});
   put_records<dda::DiskAcceleration>(state, "contact_acceleration", "m/s2, m/s2, m/s2",
                                      system.contact_acceleration);
   put_ledger(system.ledger, state);
@@ -198,9 +198,8 @@ void load_system(const State& state, dda::System& system) {
   system.drive.rotation_rate = numbers[3];
   system.report.kinetic_energy = numbers[4];
   system.report.worst_overlap = numbers[5];
-  system.counters = {counters[0], counters[1], counters[2], counters[3],
-                     counters[4], counters[7], counters[8], counters[9],
-                     counters[11]};
+  system.counters = {counters[0], counters[1], counters[2], counters[3], counters[4],
+                     counters[7], counters[8], counters[9], counters[11]};
   system.ledger_is_new = counters[10] != 0;
   get_records<dda::DiskAcceleration>(state, "contact_acceleration", system.contact_acceleration);
   system.belt_runs = counters[5] != 0;

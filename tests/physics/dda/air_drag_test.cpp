@@ -2,8 +2,10 @@
 //   what they lose is in the ledger; a scene with gas OFF never computes it.
 // Method: one disk without contacts, dt 2e-4 s: a long fall; a throw at 45 deg that lands 0.5 m
 //   below, with and without air; the throw as scenes.
-// Reference: PHYSICS A4 (13.76 m/s of 2550 kg/m3 glass and 8.62 m/s, Schiller-Naumann) and C (range lost: 3 mm plastic 8 / 19
-//   / 23 % at 2.2 / 4.45 / 5.25 m/s, 3 mm sand 3.8 / 9.7 / 12 %, 10 and 20 mm 2.8 and 1.4 % at 4.45).
+// Reference: PHYSICS A4 (13.76 m/s of 2550 kg/m3 glass and 8.62 m/s, Schiller-Naumann) and C (range
+// lost: 3 mm plastic 8 / 19
+//   / 23 % at 2.2 / 4.45 / 5.25 m/s, 3 mm sand 3.8 / 9.7 / 12 %, 10 and 20 mm 2.8 and 1.4 %
+//   at 4.45).
 // Tolerance: 1e-3 (the splitting errs by g dt / 2 = 1e-3 m/s in 10 m/s); ranges half of the last
 //   printed digit plus 0.2 points for reading them; ledger 1e-12.
 // Seconds: 0.2
@@ -45,8 +47,8 @@ TEST(AirDrag, lets_disks_fall_at_the_terminal_velocity_of_spheres) {
       slow_flying_disks(system, air, {1});
     }
     EXPECT_NEAR(-system.disks.motion[0].vy, terminal, 5e-3 + 1e-3 * terminal) << density;
-    EXPECT_NEAR(-system.disks.motion[0].vy,
-                terminal_velocity(0.003, density, 1.2, 1.81e-5, 9.81), 2e-3 * terminal);
+    EXPECT_NEAR(-system.disks.motion[0].vy, terminal_velocity(0.003, density, 1.2, 1.81e-5, 9.81),
+                2e-3 * terminal);
     EXPECT_LT(system.ledger.remainder_ratio(), 1e-9);
   }
 }

@@ -4,8 +4,8 @@
 //   contact never opens; three successive states give the 2 x 2 matrix of a step.
 // Reference: PHYSICS A5. With (X, V dt): DDA A = [[2, 2], [-2 O^2, 2 - O^2]] / (2 + O^2); backward
 //   Euler radius (1 + O^2)^-1/2; trapezoid radius 1, tan(phase / 2) = O / 2.
-// Tolerance: 1e-6 (A5). Rounding: a disturbance of 3e-8 m on coordinates of 0.1 m carries 1e-9 of it.
-// Seconds: < 0.1
+// Tolerance: 1e-6 (A5). Rounding: a disturbance of 3e-8 m on coordinates of 0.1 m carries 1e-9 of
+// it. Seconds: < 0.1
 #include <gtest/gtest.h>
 
 #include <complex>

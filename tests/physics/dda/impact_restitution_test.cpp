@@ -1,4 +1,5 @@
-// Claim: without contact damping the rebound of Newmark (1/2, 1) follows the step, not the material:
+// Claim: without contact damping the rebound of Newmark (1/2, 1) follows the step, not the
+// material:
 //   exp(-pi Omega / 4) for small Omega = dt sqrt(K / m), mean 1/2 at Omega = 1 and 1/3 at 2, and in
 //   the stiff limit |1 - 2 f| with f the phase of the impact; so no setting of it is free of
 //   restitution by itself. Backward Euler only loses energy.

@@ -15,7 +15,8 @@ namespace {
 
 class OpenClose : public testing::TestWithParam<LinearSolver> {
  protected:
-  static constexpr double kTolerance = 1e-10;  // of the lagged friction; K dt^2 / m = 800 costs 3 digits
+  static constexpr double kTolerance =
+      1e-10;  // of the lagged friction; K dt^2 / m = 800 costs 3 digits
   System system_with(double friction, double stiffness) const {
     System system;
     system.solver.method = SolverMethod::open_close;
@@ -104,7 +105,8 @@ System heap(SolverMethod method, LinearSolver linear) {
   const std::vector<Vec2> wedge = {{-0.1, 0.1}, {0, 0}, {0.1, 0.1}};
   system.walls.add_chain(wedge, false);
   for (int k = 0; k < 40; ++k)
-    add_disk(system, {0.0039 * (k % 6 - 2.6) + 2e-5 * (k % 5), 0.02 + 0.0039 * (k / 6)}, 0.002, 730);
+    add_disk(system, {0.0039 * (k % 6 - 2.6) + 2e-5 * (k % 5), 0.02 + 0.0039 * (k / 6)}, 0.002,
+             730);
   for (int k = 0; k < 40; ++k) system.disks.motion[k].vx = 0.05 * std::sin(7.0 * k);
   reset_contacts(system);
   return system;

@@ -94,10 +94,8 @@ SlideEnd analytic_exit() {
 
 TEST(SingleBead, formula_agrees_with_an_independent_integration) {
   // Check values of PHYSICS A5, then a whole slide.
-  const WallLine outer{.distance = 0.5,
-                       .alpha_start = radians(40),
-                       .rotation_rate = 8.9,
-                       .friction = kFriction};
+  const WallLine outer{
+      .distance = 0.5, .alpha_start = radians(40), .rotation_rate = 8.9, .friction = kFriction};
   const auto a = slide_by_formula(outer, 0, {0, 0.1}, 0.05);
   EXPECT_NEAR(a.place, .006552, 5e-7);
   EXPECT_NEAR(a.speed, .181016, 5e-7);
@@ -112,9 +110,9 @@ TEST(SingleBead, formula_agrees_with_an_independent_integration) {
 
   const SlideEnd end = analytic_exit();
   const double foot = kPulley * std::sin(radians(45));
-  const auto whole = slide_by_formula(outer_line(radians(45), 8.9), radians(end.onset_deg),
-                                      {foot + 0.03, 0},
-                                      radians(end.leaving_deg - end.onset_deg) / 8.9);
+  const auto whole =
+      slide_by_formula(outer_line(radians(45), 8.9), radians(end.onset_deg), {foot + 0.03, 0},
+                       radians(end.leaving_deg - end.onset_deg) / 8.9);
   EXPECT_NEAR(whole.place, end.at_end.place, 1e-6);
   EXPECT_NEAR(whole.speed, end.at_end.speed, 1e-6);
   EXPECT_NEAR(end.leaving_deg, 63.086, 2e-3);
@@ -126,7 +124,8 @@ TEST(SingleBead, with_locked_spin_leaves_the_outer_wall_as_eq_10_says) {
   const Exit coarse = leave_straight_wall(1e-4, false), fine = leave_straight_wall(1e-5, false);
   EXPECT_NEAR(coarse.angle_deg, exact.leaving_deg, 0.2);
   EXPECT_NEAR(coarse.speed, exact.at_end.speed, 0.005 * exact.at_end.speed);
-  const double order = (coarse.angle_deg - exact.leaving_deg) / (fine.angle_deg - exact.leaving_deg);
+  const double order =
+      (coarse.angle_deg - exact.leaving_deg) / (fine.angle_deg - exact.leaving_deg);
   EXPECT_NEAR(order, 10, 3);
   const Exit free = leave_straight_wall(1e-4, true);
   RecordProperty("exit_deg_dt_1e-4", std::to_string(coarse.angle_deg));
@@ -186,10 +185,8 @@ TEST(SingleBead, table_2_follows_from_a_wall_leaning_back_by_8_degrees) {
 }
 
 TEST(SingleBead, onset_angles_on_the_outer_wall_fall_with_the_distance) {
-  const WallLine line{.distance = kPulley,
-                      .alpha_start = -pi / 2,
-                      .rotation_rate = 8.9,
-                      .friction = kFriction};
+  const WallLine line{
+      .distance = kPulley, .alpha_start = -pi / 2, .rotation_rate = 8.9, .friction = kFriction};
   for (const auto& [place, angle] : {std::pair{.05, 97.67}, {.1, 74.6}, {.15, 50.55}})
     EXPECT_NEAR(slide_from_rest(line, place, place + 0.01).onset_deg, angle, 0.05) << place;
 }
@@ -219,8 +216,8 @@ TEST(SingleBead, slides_self_similarly_on_a_logarithmic_spiral) {
   const double duration = 0.8 / (ratio * w * std::sin(psi));  // 0.8 rad along the spiral
   run(system, duration);
   const Vec2 end{system.disks.pose[0].x, system.disks.pose[0].y};
-  const Vec2 relative = Vec2{system.disks.motion[0].vx, system.disks.motion[0].vy} -
-                        system.bucket_velocity().at(end);
+  const Vec2 relative =
+      Vec2{system.disks.motion[0].vx, system.disks.motion[0].vy} - system.bucket_velocity().at(end);
   const double grown = std::exp(ratio * w * system.time * std::cos(psi));
   EXPECT_NEAR(length(end) / start, grown, 1e-3 * grown);
   EXPECT_NEAR(length(relative) / (w * length(end)), ratio, 1e-3 * ratio);

@@ -93,7 +93,8 @@ TEST(DischargeTarget, counts_what_enters_the_opening_and_what_falls_down_the_leg
 }
 
 TEST(DischargeTarget, below_the_landing_level_is_reached_too) {
-  // Reaches x = 0.8 at y = 0.6 - g / 2 0.3^2, x = 1.2 at y = -0.63: only the part below -0.5 is met.
+  // Reaches x = 0.8 at y = 0.6 - g / 2 0.3^2, x = 1.2 at y = -0.63: only the part below -0.5 is
+  // met.
   const auto scene = scene_of(kThreeDisks, {{"discharge.target[0].y_m", "-0.9"},
                                             {"discharge.target[1].y_m", "-0.9"},
                                             {"discharge.target[2].y_m", "-0.55"},
@@ -182,8 +183,8 @@ TEST(DischargeFilling, stored_one_gives_the_run_of_the_job_it_comes_from) {
   finish(*first);
   const auto filling = first->stored_filling();
   ASSERT_TRUE(filling.has_value());
-  const auto stored = small_scene(
-      {{"discharge.filling", "STORED"}, {"discharge.stored_filling", "jobs/1"}});
+  const auto stored =
+      small_scene({{"discharge.filling", "STORED"}, {"discharge.stored_filling", "jobs/1"}});
   const auto second = simulation_of(stored, &*filling);
   EXPECT_EQ(second->phase(), DischargePhase::rotation);
   finish(*second);
@@ -267,20 +268,37 @@ TEST(DischargeAir, auto_decides_by_the_range_lost) {
   EXPECT_EQ(scene("0.05"), v1::Effects::OFF);
 }
 
+TEST(DischargeScenes, shipped_ones_make_plans_and_leave_out_the_air_as_the_paper_does) {
+  for (const std::string name :
+       {"discharge_small", "discharge_700_gravity", "discharge_700_gravity_deflector",
+        "discharge_700_centrifugal", "discharge_4000_straight", "discharge_4000_bezier",
+        "discharge_slag", "discharge_m_type_ordered", "discharge_ka_0_8", "discharge_ka_2_a",
+        "discharge_ka_2_b", "discharge_ka_2_c", "discharge_ka_2_d", "single_particle_inner",
+        "single_particle_outer"}) {
+    std::ifstream file(std::string(GRANARY_SCENES) + "/" + name + ".txtpb");
+    std::stringstream text;
+    text << file.rdbuf();
+    const DischargePlan plan = make_discharge_plan(scene_of(text.str()));
+    EXPECT_TRUE(plan.bucket.has_value()) << name;
+    EXPECT_FALSE(plan.air.has_value()) << name;
+  }
+}
+
 class DischargeSolvers : public testing::TestWithParam<std::string> {};
 
 TEST_P(DischargeSolvers, run_a_scene_and_resume_it_bitwise) {
   // Without dissipation the trapezoid bounces higher than it falls once K dt^2 / m passes about 1.
   const bool keeps_energy = GetParam() == "NEWMARK_TRAPEZOID";
-  const std::vector<FieldSetting> settings = {{"discharge.time_step_s", keeps_energy ? "2e-5" : "2e-4"},
-                                              {"discharge.end_angle_deg", "90"},
-                                              {"discharge.solver.method", "OPEN_CLOSE"},
-                                              {"discharge.solver.integrator", GetParam()},
-                                              {"discharge.particles.count", "60"},
-                                              {"discharge.penalty.stiffness_n_per_m", "1e6"},
-                                              {"discharge.bucket.tip_x_m", "-0.04"},
-                                              {"discharge.bucket.tip_y_m", "0.04"},
-                                              {"discharge.bucket.wall_height_m", "0.04"}};
+  const std::vector<FieldSetting> settings = {
+      {"discharge.time_step_s", keeps_energy ? "2e-5" : "2e-4"},
+      {"discharge.end_angle_deg", "90"},
+      {"discharge.solver.method", "OPEN_CLOSE"},
+      {"discharge.solver.integrator", GetParam()},
+      {"discharge.particles.count", "60"},
+      {"discharge.penalty.stiffness_n_per_m", "1e6"},
+      {"discharge.bucket.tip_x_m", "-0.04"},
+      {"discharge.bucket.tip_y_m", "0.04"},
+      {"discharge.bucket.wall_height_m", "0.04"}};
   const auto whole = simulation_of(small_scene(settings));
   advance_to(*whole, DischargePhase::rotation);
   whole->advance(1e9, 200);
