@@ -134,7 +134,8 @@ class Resolver {
       choose("discharge.solver.tolerance", froude > 1 ? 1e-2 : 1e-3,
              froude > 1 ? "centrifugal flow (omega^2 R / g > 1)" : "gravity discharge and holding");
     if (d.solver().method() == v1::Solver::OPEN_CLOSE && !d.solver().has_max_iterations())
-      choose("discharge.solver.max_iterations", 30, "open-close: packs that still change states then never stop");
+      choose("discharge.solver.max_iterations", 30,
+             "open-close: packs that still change states then never stop");
     if (!d.has_time_step_s()) choose("discharge.time_step_s", 2e-4, "default ladder rung");
     if (!d.has_filling_time_step_s())
       choose("discharge.filling_time_step_s", d.time_step_s(), "as time_step_s");
