@@ -53,8 +53,23 @@ Numbers discharge_gas(const v1::Discharge& d) {
   n.number = vt > 0 ? 0.45 * speed2 / (vt * vt) : 0;
   n.threshold = 0.02;
   n.omitted_error = n.number;
+  n.wanted = *n.number > *n.threshold;
+  n.reason = "range lost by a lone disk in still air; an upper bound for a compact jet";
+  return n;
+}
+
+// Friction on the bucket's side cheeks, which a 2-D model cannot have: traction mu K p on two faces
+// against the weight of the bed between them, mu K h / depth (PHYSICS section I), with the lateral
+// pressure ratio K = 1 - sin(friction) and a mean depth h of half the wall.
+Numbers discharge_cheeks(const v1::Discharge& d) {
+  const double lateral = 1 - std::sin(d.friction_pp_deg() * M_PI / 180);
+  const double wall = std::tan(d.friction_pw_deg() * M_PI / 180);
+  Numbers n;
+  n.number = wall * lateral * d.bucket().tip_y_m() / 2 / d.particles().axial_depth_m();
+  n.threshold = 0.02;
+  n.omitted_error = n.number;
   n.wanted = false;
-  n.reason = "air drag on flying disks: not available; an upper bound for a compact jet";
+  n.reason = "friction on the side cheeks / weight: not available in two dimensions";
   return n;
 }
 
@@ -216,6 +231,7 @@ std::map<std::string, v1::EffectReport> decide_effects(const v1::Scene& scene) {
     put("tangential_history", e.has_tangential_history(), e.tangential_history(),
         always("resting contacts in the filling need it"));
     put("cohesion", e.has_cohesion(), e.cohesion(), discharge_cohesion(d));
+    put("side_cheek_friction", false, v1::Effects::AUTO, discharge_cheeks(d));
   } else {
     const v1::Chute& c = scene.chute();
     put("gas", e.has_gas(), e.gas(), chute_gas(c, target_of(scene)));

@@ -13,7 +13,8 @@ namespace granary {
 inline constexpr double kDefaultAccuracyTarget = 0.01;
 
 // Precondition: defaults are filled in. Keys: gas, rotating_frame, rolling_friction,
-// particle_rotation, tangential_history, cohesion.
+// particle_rotation, tangential_history, cohesion; of a discharge also side_cheek_friction, which no
+// scene can switch on.
 std::map<std::string, v1::EffectReport> decide_effects(const v1::Scene& scene);
 
 // Terminal velocity [m/s] of a sphere in still gas, Schiller-Naumann drag (PHYSICS A4).

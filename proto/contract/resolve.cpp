@@ -133,6 +133,9 @@ class Resolver {
     if (!d.solver().has_tolerance())
       choose("discharge.solver.tolerance", froude > 1 ? 1e-2 : 1e-3,
              froude > 1 ? "centrifugal flow (omega^2 R / g > 1)" : "gravity discharge and holding");
+    if (d.solver().method() == v1::Solver::OPEN_CLOSE && !d.solver().has_max_iterations())
+      choose("discharge.solver.max_iterations", 30,
+             "open-close: packs that still change states then never stop");
     if (!d.has_time_step_s()) choose("discharge.time_step_s", 2e-4, "default ladder rung");
     if (!d.has_filling_time_step_s())
       choose("discharge.filling_time_step_s", d.time_step_s(), "as time_step_s");
@@ -187,12 +190,13 @@ class Resolver {
     }
     out_.effects = decide_effects(out_.scene);
     v1::Effects& effects = *out_.scene.mutable_effects();
-    if (effects.gas() == v1::Effects::ON)
+    if (effects.gas() == v1::Effects::ON && out_.scene.has_chute())
       return Error{ErrorCode::invalid_argument,
                    "effects.gas: = ON is not available in this version, must be AUTO or OFF",
                    "effects.gas"};
     for (const auto& [name, report] : out_.effects) {
       const auto* field = effects.GetDescriptor()->FindFieldByName(name);
+      if (field == nullptr) continue;  // an omission that is only reported
       effects.GetReflection()->SetEnumValue(&effects, field,
                                             report.on() ? v1::Effects::ON : v1::Effects::OFF);
       if (report.chosen_by() == "auto")
@@ -210,7 +214,8 @@ std::string canonical_text(const v1::Scene& scene, const std::set<std::string>& 
   for_each_set_scalar(scene, [&](const std::string& path, const Message& message,
                                  const FieldDescriptor& field, int index) {
     for (const std::string& prefix : without)
-      if (path == prefix || path.rfind(prefix + ".", 0) == 0) return;
+      if (path == prefix || path.rfind(prefix + ".", 0) == 0 || path.rfind(prefix + "[", 0) == 0)
+        return;
     text += path + "=" + scalar_text(message, field, index) + "\n";
   });
   return text;
@@ -242,7 +247,9 @@ std::string filling_key(const v1::Scene& resolved) {
                                                       "discharge.target",
                                                       "discharge.time_step_s",
                                                       "discharge.duration_s",
-                                                      "discharge.solver.tolerance",
+                                                      "discharge.solver",
+                                                      "discharge.penalty.growth_factor",
+                                                      "discharge.penalty.tolerance",
                                                       "discharge.pulley_radius_m",
                                                       "discharge.air_density_kg_per_m3",
                                                       "discharge.air_viscosity_pa_s",

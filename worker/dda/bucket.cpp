@@ -20,24 +20,6 @@ Vec2 bernstein4(const std::array<Vec2, 5>& point, double s) {
 
 }  // namespace
 
-double BucketGeometry::area() const {
-  double doubled = 0;
-  for (std::size_t k = 0; k < polygon.size(); ++k)
-    doubled += cross(polygon[k], polygon[(k + 1) % polygon.size()]);
-  return std::abs(doubled) / 2;
-}
-
-// Crossings of a ray to +x, counted half-open in y so that a vertex counts once.
-bool BucketGeometry::contains(Vec2 point) const {
-  bool inside = false;
-  for (std::size_t k = 0, j = polygon.size() - 1; k < polygon.size(); j = k++) {
-    const Vec2 a = polygon[k], b = polygon[j];
-    if ((a.y > point.y) == (b.y > point.y)) continue;
-    if (point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)) inside = !inside;
-  }
-  return inside;
-}
-
 BucketGeometry make_bucket(std::span<const Vec2> outer_wall, const InnerWall& inner,
                            double pulley_radius) {
   const Vec2 foot{-pulley_radius, 0};

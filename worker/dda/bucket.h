@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "worker/dda/rigid_pose.h"
+#include "worker/dda/polygon.h"
 
 namespace granary::dda {
 
@@ -16,8 +16,8 @@ struct BucketGeometry {
   std::vector<Vec2> inner_wall;  // foot -> top of the deflector
   std::vector<Vec2> polygon;     // closed: the last point joins the first
 
-  double area() const;
-  bool contains(Vec2 point) const;  // bucket coordinates
+  double area() const { return polygon_area(polygon); }
+  bool contains(Vec2 point) const { return polygon_contains(polygon, point); }
 };
 
 struct InnerWall {

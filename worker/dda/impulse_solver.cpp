@@ -22,10 +22,6 @@ void keep_forces_of(const ActiveContacts& contacts, double time_step, CandidateL
 
 void solve_impulses(System& system) {
   DiskMotion* motion = system.disks.motion.data();
-  const double fall = system.gravity * system.time_step;
-  for (std::size_t k = 0; k < system.disks.count(); ++k)
-    if (system.touched[k]) motion[k].vy -= fall;
-
   const Kernels& run = kernels();
   ActiveContacts& pairs = system.pair_contacts;
   ActiveContacts& walls = system.wall_contacts;
@@ -47,7 +43,8 @@ void solve_impulses(System& system) {
   system.report.sweeps = sweeps;
   system.counters.sweeps += sweeps;
   system.counters.contact_updates += sweeps * (pairs.size + walls.size);
-  if (sums.change > tolerance2 * sums.total) ++system.counters.unconverged_steps;
+  system.report.converged = !(sums.change > tolerance2 * sums.total);
+  if (!system.report.converged) ++system.counters.unconverged_steps;
 }
 
 void keep_forces(System& system) {

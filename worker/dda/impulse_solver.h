@@ -6,7 +6,7 @@
 
 namespace granary::dda {
 
-// Adds the step's gravity to touched disks and solves for the velocities at the end of the step.
+// Precondition: the loads are in the velocities. Solves for the velocities of the step.
 void solve_impulses(System& system);
 
 // Writes the contact forces back to the candidate lists, for the next step.

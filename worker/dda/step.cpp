@@ -3,7 +3,10 @@
 #include <chrono>
 
 #include "worker/dda/impulse_solver.h"
+#include "worker/dda/integrators.h"
 #include "worker/dda/narrow_phase.h"
+#include "worker/dda/open_close.h"
+#include "worker/dda/penalty_growth.h"
 #include "worker/dda/step_energy.h"
 
 namespace granary::dda {
@@ -33,6 +36,13 @@ void refresh_lists(System& system) {
                         system.time_step});
 }
 
+void solve_contacts(System& system) {
+  if (system.solver.method == SolverMethod::open_close)
+    solve_open_close(system);
+  else
+    solve_impulses(system);
+}
+
 void finish_step(System& system) {
   system.time += system.time_step;
   system.lists.note_step(system.disks, system.time_step);
@@ -46,15 +56,18 @@ void step(System& system) {
   PhaseClock clock(system);
   refresh_lists(system);
   clock.lap(StepPhase::lists);
-  system.motion_before = system.disks.motion;
+  begin_integration(system);
   select_contacts(system);
   clock.lap(StepPhase::contacts);
-  solve_impulses(system);
+  add_loads(system);
+  solve_contacts(system);
   keep_forces(system);
+  keep_contact_accelerations(system);
   clock.lap(StepPhase::sweeps);
   book_contacts(system);
   clock.lap(StepPhase::ledger);
   integrate(system);
+  grow_penalty(system);
   clock.lap(StepPhase::integration);
   finish_step(system);
   clock.lap(StepPhase::lists);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/dda/integrators.h"
+
 namespace granary::dda {
 namespace {
 
@@ -10,12 +12,14 @@ using core::EnergyChannel;
 
 struct ContactEnergy {
   double elastic = 0, integrator = 0, friction = 0, damping = 0, wall_work = 0, exchanged = 0;
+  double elastic_start = 0;
   double worst_overlap = 0;
 };
 
 struct BookedContact {
   double force_n, force_t;  // N, end of the step
   double slide_n, slide_t;  // m, relative displacement of the step along n and t
+  double start_share;       // weight of the force at the start in the force that does the work
 };
 
 // Normal spring: starts at overlap p0 >= 0 after closing any open gap, ends at p1 = f / K.
@@ -23,23 +27,28 @@ void book_normal(const BookedContact& c, double gap_start, double stiffness, Con
   const double overlap_start = std::max(-gap_start, 0.0);
   const double overlap_end = c.force_n / stiffness;
   const double stretch = overlap_end - overlap_start;
+  sum.elastic_start += 0.5 * stiffness * overlap_start * overlap_start;
   sum.elastic += 0.5 * c.force_n * overlap_end;
-  sum.integrator += 0.5 * stiffness * stretch * stretch;
+  sum.integrator += (0.5 - c.start_share) * stiffness * stretch * stretch;
+  const double force = c.force_n - c.start_share * stiffness * stretch;
   // The force acts over the whole displacement, also over the part before the gap closed, and where
   // restitution overrules the spring: that much is taken out (or given back) beside the spring.
-  sum.damping -= c.force_n * (c.slide_n + stretch);
+  sum.damping -= force * (c.slide_n + stretch);
 }
 
 void book_tangential(const BookedContact& c, double stored, double stiffness, ContactEnergy& sum) {
   const double stretch = (c.force_t - stored) / stiffness;
+  sum.elastic_start += 0.5 * stored * stored / stiffness;
   sum.elastic += 0.5 * c.force_t * c.force_t / stiffness;
-  sum.integrator += 0.5 * stiffness * stretch * stretch;
-  sum.friction -= c.force_t * (c.slide_t + stretch);
+  sum.integrator += (0.5 - c.start_share) * stiffness * stretch * stretch;
+  const double force = c.force_t - c.start_share * stiffness * stretch;
+  sum.friction -= force * (c.slide_t + stretch);
 }
 
 void book_list(const System& system, const ActiveContacts& contacts, const Vec2* wall_velocity,
                ContactEnergy& sum) {
   const double dt = system.time_step, stiffness = system.contact.stiffness;
+  const double start_share = start_force_share(system.solver.integrator);
   const DiskMotion* motion = system.disks.motion.data();
   for (std::size_t k = 0; k < contacts.size; ++k) {
     if (contacts.slot[k] < 0) continue;
@@ -53,12 +62,16 @@ void book_list(const System& system, const ActiveContacts& contacts, const Vec2*
       const Vec2 w = wall_velocity[k];
       ux += w.x, uy += w.y;
       // The wall pushes the disk with -P: work on the disk per time is -f . w.
-      const double work = -dt * (force_n * (w.x * nx + w.y * ny) + force_t * (w.y * nx - w.x * ny));
+      const double mean_n =
+          force_n - start_share * (force_n + stiffness * std::min(contacts.gap_start[k], 0.0));
+      const double mean_t = force_t - start_share * (force_t - contacts.stored_t[k]);
+      const double work = -dt * (mean_n * (w.x * nx + w.y * ny) + mean_t * (w.y * nx - w.x * ny));
       sum.wall_work -= work;
       sum.exchanged += std::abs(work);
     }
     const BookedContact booked{force_n, force_t, dt * (ux * nx + uy * ny),
-                               dt * (uy * nx - ux * ny - (a.surface_speed + b.surface_speed))};
+                               dt * (uy * nx - ux * ny - (a.surface_speed + b.surface_speed)),
+                               start_share};
     book_normal(booked, contacts.gap_start[k], stiffness, sum);
     book_tangential(booked, contacts.stored_t[k], stiffness, sum);
   }
@@ -90,6 +103,12 @@ void move_touched(DiskPose& pose, const DiskMotion& v, double dt) {
   pose.angle += dt * v.surface_speed / pose.radius;
 }
 
+// Newmark solves for the mean velocity w of the step: v+ = 2 w - v. Masses go back to M.
+DiskMotion end_of_step(const DiskMotion& mean, const DiskMotion& start) {
+  return {2 * mean.vx - start.vx, 2 * mean.vy - start.vy,
+          2 * mean.surface_speed - start.surface_speed, start.inverse_mass};
+}
+
 }  // namespace
 
 void open_ledger(System& system) {
@@ -103,6 +122,7 @@ void open_ledger(System& system) {
         system.gravity * system.disks.pose[k].y / system.disks.motion[k].inverse_mass;
   }
   ledger.stored_at_start_j = ledger.stored_j();
+  system.ledger_is_new = true;
   system.report.kinetic_energy = ledger.kinetic_j;
 }
 
@@ -112,6 +132,8 @@ void book_contacts(System& system) {
   book_list(system, system.wall_contacts, system.wall_velocity.data(), sum);
   system.report.worst_overlap = sum.worst_overlap;
   core::EnergyLedger& ledger = system.ledger;
+  if (system.ledger_is_new) ledger.stored_at_start_j += sum.elastic_start - ledger.elastic_j;
+  system.ledger_is_new = false;
   ledger.elastic_j = sum.elastic;
   ledger[EnergyChannel::integrator] += sum.integrator;
   ledger[EnergyChannel::friction] += sum.friction;
@@ -123,14 +145,18 @@ void book_contacts(System& system) {
 
 void integrate(System& system) {
   const double dt = system.time_step, gravity = system.gravity;
+  const bool doubles_back = system.solver.integrator != Integrator::backward_euler;
   double kinetic = 0, landed_kinetic = 0, fall_work = 0, dissipated = 0;
   for (std::size_t k = 0; k < system.disks.count(); ++k) {
     DiskPose& pose = system.disks.pose[k];
     DiskMotion& v = system.disks.motion[k];
     const double height = pose.y;
-    if (system.touched[k]) {
+    const DiskMotion& old = system.motion_before[k];
+    if (doubles_back) {
       move_touched(pose, v, dt);
-      const DiskMotion& old = system.motion_before[k];
+      v = end_of_step(v, old);
+    } else if (system.touched[k]) {
+      move_touched(pose, v, dt);
       dissipated += kinetic_of(
           {v.vx - old.vx, v.vy - old.vy, v.surface_speed - old.surface_speed, v.inverse_mass});
     } else {

@@ -4,14 +4,17 @@
 // dt u, stored spring force s at the start: the work f dt u splits into the change of f^2 / 2K, the
 // integrator's (f - s)^2 / 2K, and for a sliding contact the friction -f (dt u + (f - s) / K). Per
 // touched disk backward Euler dissipates m dv^2 / 2. What does not add up (linearised gaps, sweeps
-// that stopped at their tolerance) stays in the remainder.
+// that stopped at their tolerance) stays in the remainder. The Newmark integrators have no kinetic
+// dissipation; with the trapezoid the mean of the forces at start and end does the work, and the
+// spring's (f - s)^2 / 2K vanishes too.
 #pragma once
 
 #include "worker/dda/system.h"
 
 namespace granary::dda {
 
-// Starts the balance: stored energies from the disks and the forces in the lists.
+// Starts the balance: stored energies from the disks and the forces in the lists. Overlaps that no
+// stored force knows of (disks placed by hand) join the start at the first step.
 void open_ledger(System& system);
 
 // Preconditions: solve_impulses is done, `motion_before` holds the velocities at the start.

@@ -19,6 +19,7 @@ double mean_radius(const Disks& disks) {
 void reset_contacts(System& system) {
   system.lists = {};
   system.lists.set_skin(system.solver.skin_ratio * mean_radius(system.disks));
+  system.contact_acceleration.clear();
   system.touched.assign(system.disks.count() + 1, 0);
   open_ledger(system);
 }

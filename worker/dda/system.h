@@ -23,12 +23,30 @@ struct ContactSettings {
   bool rotation = true;    // false: disks never spin
 };
 
+enum class SolverMethod : std::uint8_t {
+  impulse,    // dual form, projected Gauss-Seidel
+  open_close  // assembled penalty matrix, open-close iteration
+};
+
+enum class Integrator : std::uint8_t { backward_euler, newmark_dda, newmark_trapezoid };
+
+enum class LinearSolver : std::uint8_t { direct, pcg };  // of open_close
+
 struct SolverSettings {
+  SolverMethod method = SolverMethod::impulse;
+  Integrator integrator = Integrator::backward_euler;
+  LinearSolver linear = LinearSolver::direct;
   double tolerance = 1e-2;  // |change of impulses| / |impulses| that ends the sweeps
-  std::uint32_t max_sweeps = 500;
+  std::uint32_t max_sweeps = 500;  // or open-close iterations
   double relaxation = 1.3;     // typical 1..1.5; 2 diverges
   double margin_ratio = 0.15;  // speculative contacts: gap < margin_ratio (r_i + r_k)
   double skin_ratio = 0.8;     // neighbour lists: skin / mean radius
+};
+
+// The paper's sequential increase of the penalty (section 4.1).
+struct PenaltyGrowth {
+  double factor = 1;        // per step that needs it; 1 = the penalty stays
+  double tolerance = 0.01;  // overlap / radius of the smaller disk
 };
 
 enum class StepPhase : std::size_t { lists, contacts, sweeps, integration, ledger, count };
@@ -41,19 +59,31 @@ struct StepCounters {
   std::uint64_t sweeps = 0;
   std::uint64_t contact_updates = 0;
   std::uint64_t unconverged_steps = 0;  // stopped by max_sweeps
+  std::uint64_t open_close_iterations = 0;
+  std::uint64_t linear_iterations = 0;  // of PCG
+  std::uint64_t penalty_growths = 0;
+  std::uint64_t drag_evaluations = 0;  // 0 proves that the air is off
 };
 
 // What the last step saw.
 struct StepReport {
   std::size_t contacts = 0;
-  std::uint32_t sweeps = 0;
+  std::uint32_t sweeps = 0;   // or open-close iterations
+  bool converged = true;
   double worst_overlap = 0;   // m, at the start of the step
   double kinetic_energy = 0;  // J, of disks that have not landed
+};
+
+// Of the contact forces on one disk at the end of a step.
+struct DiskAcceleration {
+  double x = 0, y = 0;  // m/s2
+  double surface = 0;   // of the surface speed
 };
 
 struct System {
   ContactSettings contact;
   SolverSettings solver;
+  PenaltyGrowth penalty;
   double gravity = 9.81;
   double time_step = 2e-4;
 
@@ -69,8 +99,10 @@ struct System {
   std::vector<Vec2> wall_velocity;    // of wall_contacts: at the touching point
   std::vector<std::uint8_t> touched;  // per disk (+1): has an active contact in this step
   AlignedVector<DiskMotion> motion_before;
+  std::vector<DiskAcceleration> contact_acceleration;  // newmark_trapezoid; empty = not known yet
 
   core::EnergyLedger ledger;
+  bool ledger_is_new = true;  // overlaps at its start are only seen in its first step
   StepCounters counters;
   StepReport report;
   std::array<double, kStepPhaseCount> phase_seconds{};

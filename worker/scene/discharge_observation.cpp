@@ -60,6 +60,13 @@ void add_landing(const dda::System& system, const DischargeRecord& record, Value
              basis);
 }
 
+void add_target(const DischargeRecord& record, Values& values) {
+  const LandingShares shares = landing_shares(record);
+  const double percent = 100 / static_cast<double>(record.initial_count);
+  values.add("target_percent", "%", percent * static_cast<double>(shares.target));
+  values.add("leg_percent", "%", percent * static_cast<double>(shares.leg));
+}
+
 void add_shares(const DischargeRecord& record, Values& values) {
   for (const auto& [name, share] :
        {std::pair{"a5_deg", 0.05}, {"a50_deg", 0.5}, {"a95_deg", 0.95}}) {
@@ -110,9 +117,14 @@ core::Table bucket_table(const dda::BucketGeometry& bucket) {
 std::vector<std::string> warnings_of(const dda::System& system, const DischargeRecord& record) {
   std::vector<std::string> warnings;
   if (!record.settled) warnings.push_back("the filling had not come to rest when the motion began");
-  if (system.counters.unconverged_steps > 0)
-    warnings.push_back(std::to_string(system.counters.unconverged_steps) +
+  const dda::StepCounters& c = system.counters;
+  if (c.unconverged_steps > 0)
+    warnings.push_back(std::to_string(c.unconverged_steps) + " of " + std::to_string(c.steps) +
                        " steps stopped at discharge.solver.max_iterations before their tolerance");
+  if (c.open_close_iterations > 0)
+    warnings.push_back("open-close: " + std::to_string(c.open_close_iterations) +
+                       " iterations, the penalty grew " + std::to_string(c.penalty_growths) +
+                       " times");
   return warnings;
 }
 
@@ -121,12 +133,14 @@ std::vector<std::string> warnings_of(const dda::System& system, const DischargeR
 core::Observation DischargeSimulation::observe() const {
   core::Observation seen;
   seen.warnings = warnings_of(system_, record_);
+  seen.effect_evaluations = {{"gas", system_.counters.drag_evaluations}};
   if (plan_.bucket) seen.fields.push_back(bucket_table(*plan_.bucket));
   if (!plan_.bucket || phase_ == DischargePhase::filling || record_.initial_count == 0) return seen;
   Values values;
   add_flight(record_, record_.ended ? record_.flying_at_end : flying_now(system_, *plan_.bucket),
              values);
   add_landing(system_, record_, values);
+  if (!plan_.target.empty()) add_target(record_, values);
   add_shares(record_, values);
   values.add(
       "fill_ratio", "1",

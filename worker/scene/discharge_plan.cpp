@@ -79,6 +79,18 @@ dda::Disks disks_of(const v1::Discharge& d, double mass_per_area) {
   return disks;
 }
 
+void read_solver(const v1::Discharge& d, DischargePlan& plan) {
+  if (d.solver().linear() == v1::Solver::PCG) plan.solver.linear = dda::LinearSolver::pcg;
+  if (d.solver().integrator() == v1::Solver::NEWMARK_DDA)
+    plan.solver.integrator = dda::Integrator::newmark_dda;
+  if (d.solver().integrator() == v1::Solver::NEWMARK_TRAPEZOID)
+    plan.solver.integrator = dda::Integrator::newmark_trapezoid;
+  if (d.solver().method() != v1::Solver::OPEN_CLOSE) return;
+  plan.solver.method = dda::SolverMethod::open_close;
+  plan.penalty = {value_or(d.penalty().has_growth_factor(), d.penalty().growth_factor(), 1.25),
+                  value_or(d.penalty().has_tolerance(), d.penalty().tolerance(), 0.01)};
+}
+
 void read_contact(const v1::Scene& scene, double depth, DischargePlan& plan) {
   const v1::Discharge& d = scene.discharge();
   const double stiffness =
@@ -90,6 +102,7 @@ void read_contact(const v1::Scene& scene, double depth, DischargePlan& plan) {
                   .rotation = scene.effects().particle_rotation() != v1::Effects::OFF};
   plan.filling_stiffness =
       depth * value_or(d.has_filling_stiffness_n_per_m(), d.filling_stiffness_n_per_m(), stiffness);
+  read_solver(d, plan);
   plan.solver.tolerance = value_or(d.solver().has_tolerance(), d.solver().tolerance(), 1e-2);
   plan.solver.max_sweeps = static_cast<std::uint32_t>(
       value_or(d.solver().has_max_iterations(), d.solver().max_iterations(), 500));
@@ -129,12 +142,11 @@ void refuse_unbuilt(const v1::Discharge& d) {
   const auto refuse = [](bool asked, const char* field) {
     if (asked) throw std::invalid_argument(std::string(field) + " is not built yet");
   };
-  refuse(d.solver().method() != v1::Solver::IMPULSE, "discharge.solver.method OPEN_CLOSE");
-  refuse(d.solver().integrator() != v1::Solver::BACKWARD_EULER, "discharge.solver.integrator");
+  refuse(d.solver().integrator() != v1::Solver::BACKWARD_EULER && d.normal_restitution() > 0,
+         "discharge.normal_restitution with a Newmark integrator");
   refuse(d.cohesion_n_per_m() > 0, "discharge.cohesion_n_per_m");
   refuse(d.rolling_friction_coefficient() > 0, "discharge.rolling_friction_coefficient");
   refuse(d.damping_per_s() > 0, "discharge.damping_per_s");
-  refuse(d.target_size() > 0, "discharge.target");
 }
 
 }  // namespace
@@ -150,6 +162,12 @@ DischargePlan make_discharge_plan(const v1::Scene& resolved) {
   read_contact(resolved, depth, plan);
   read_disks(resolved, depth, plan);
   read_motion(d, plan);
+  if (resolved.effects().gas() == v1::Effects::ON)
+    plan.air =
+        dda::StillAir{value_or(d.has_air_density_kg_per_m3(), d.air_density_kg_per_m3(), 1.2),
+                      value_or(d.has_air_viscosity_pa_s(), d.air_viscosity_pa_s(), 1.81e-5),
+                      d.particles().density_kg_per_m3()};
+  for (const v1::Point2& point : d.target()) plan.target.push_back(point_of(point));
   if (!d.no_bucket()) plan.bucket = bucket_of(d, plan.pulley_radius);
   for (const v1::Wall2& wall : d.walls()) {
     std::vector<dda::Vec2> points;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "granary/v1/scene.pb.h"
+#include "worker/dda/air_drag.h"
 #include "worker/dda/bucket.h"
 #include "worker/dda/disks.h"
 #include "worker/dda/filling.h"
@@ -18,11 +19,14 @@ struct DischargePlan {
 
   dda::ContactSettings contact;    // for the whole axial depth
   double filling_stiffness = 1e7;  // N/m, whole axial depth
-  dda::SolverSettings solver;      // during the rotation
+  dda::SolverSettings solver;      // during the rotation; fillings use IMPULSE, backward Euler
+  dda::PenaltyGrowth penalty;      // during the rotation
   double filling_tolerance = 1e-3;
   double gravity = 9.81;
 
   std::optional<dda::BucketGeometry> bucket;
+  std::optional<dda::StillAir> air;  // effects.gas ON
+  std::vector<dda::Vec2> target;     // closed polygon of the discharge opening; empty = none
   std::vector<std::vector<dda::Vec2>> fixed_walls, moving_walls;
   dda::DiskKind disk_kind;
   dda::Disks placed_disks;  // filling EXPLICIT

@@ -35,17 +35,53 @@ void sample_discharge(const System& system, const dda::BucketGeometry& bucket, b
   record.sample_cg_y.push_back(y / mass);
 }
 
-void note_landings(System& system, const dda::BucketGeometry& bucket, double level,
+void note_landings(System& system, const dda::BucketGeometry& bucket, const LandingLevels& levels,
                    DischargeRecord& record) {
   for (std::size_t k = 0; k < system.disks.count(); ++k) {
     const dda::DiskPose& pose = system.disks.pose[k];
-    if (pose.y >= level || system.disks.landed[k]) continue;
+    if (pose.y >= levels.level || system.disks.landed[k]) continue;
+    if (std::isnan(record.landing_x[k])) {
+      const dda::DiskMotion& v = system.disks.motion[k];
+      // Back along the last step's path to the level.
+      const double since = v.vy < 0 ? (pose.y - levels.level) / v.vy : 0;
+      record.landing_x[k] = pose.x - since * v.vx;
+      record.landed_inside[k] = disk_in_bucket(system, bucket, k) ? 1 : 0;
+    }
+    if (pose.y < levels.floor) system.disks.landed[k] = 1;
+  }
+}
+
+void note_target(const System& system, const dda::BucketGeometry& bucket,
+                 std::span<const Vec2> target, DischargeRecord& record) {
+  for (std::size_t k = 0; k < system.disks.count(); ++k) {
+    if (record.in_target[k] || system.disks.landed[k]) continue;
+    const dda::DiskPose& pose = system.disks.pose[k];
     const dda::DiskMotion& v = system.disks.motion[k];
-    // Back along the last step's path to the level.
-    const double since = v.vy < 0 ? (pose.y - level) / v.vy : 0;
-    record.landing_x[k] = pose.x - since * v.vx;
-    record.landed_inside[k] = disk_in_bucket(system, bucket, k) ? 1 : 0;
-    system.disks.landed[k] = 1;
+    const Vec2 now{pose.x, pose.y}, before = now - system.time_step * Vec2{v.vx, v.vy};
+    if (dda::enters_polygon(target, before, now) && !disk_in_bucket(system, bucket, k))
+      record.in_target[k] = 1;
+  }
+}
+
+LandingShares landing_shares(const DischargeRecord& record) {
+  LandingShares shares;
+  for (std::size_t k = 0; k < record.in_target.size(); ++k) {
+    if (record.in_target[k])
+      ++shares.target;
+    else if (!std::isnan(record.landing_x[k]) && !record.landed_inside[k])
+      ++shares.leg;
+  }
+  return shares;
+}
+
+void mark_flying(const System& system, const dda::BucketGeometry* bucket,
+                 std::vector<std::uint8_t>& flying) {
+  flying.assign(system.disks.count(), 0);
+  const dda::RigidPose pose = system.bucket_pose(system.time);
+  for (std::size_t k = 0; k < system.disks.count(); ++k) {
+    if (system.disks.landed[k]) continue;
+    const Vec2 centre{system.disks.pose[k].x, system.disks.pose[k].y};
+    flying[k] = bucket == nullptr || !bucket->contains(pose.to_body(centre));
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "worker/dda/bucket.h"
@@ -24,6 +25,7 @@ struct DischargeRecord {
 
   std::vector<double> landing_x;            // per disk, NaN until it lands
   std::vector<std::uint8_t> landed_inside;  // per disk: still in the bucket as it passed the level
+  std::vector<std::uint8_t> in_target;      // per disk: its path has entered the target
   bool ended = false;                       // the end angle was reached
   std::vector<measure::FlyingDisk> flying_at_end;
   double remaining_at_end = 0;
@@ -36,9 +38,29 @@ bool disk_in_bucket(const dda::System& system, const dda::BucketGeometry& bucket
 void sample_discharge(const dda::System& system, const dda::BucketGeometry& bucket, bool force,
                       DischargeRecord& record);
 
-// Marks disks that fell below `level` during the last step.
-void note_landings(dda::System& system, const dda::BucketGeometry& bucket, double level,
-                   DischargeRecord& record);
+// Notes disks that fell below `level` during the last step, and takes those out of the contacts
+// that fell below `floor`, too.
+struct LandingLevels {
+  double level = 0;  // y of the landing values
+  double floor = 0;  // <= level: nothing below it matters any more
+};
+void note_landings(dda::System& system, const dda::BucketGeometry& bucket,
+                   const LandingLevels& levels, DischargeRecord& record);
+
+// Notes disks outside the bucket whose path of the last step entered the target.
+void note_target(const dda::System& system, const dda::BucketGeometry& bucket,
+                 std::span<const dda::Vec2> target, DischargeRecord& record);
+
+// Where the discharged disks end up, as numbers of disks.
+struct LandingShares {
+  std::size_t target = 0;  // entered the target
+  std::size_t leg = 0;     // left the bucket and fell past the level without it
+};
+LandingShares landing_shares(const DischargeRecord& record);
+
+// 1 for disks outside the bucket that still fly.
+void mark_flying(const dda::System& system, const dda::BucketGeometry* bucket,
+                 std::vector<std::uint8_t>& flying);
 
 // The instant t_e of f1..f4.
 void close_record(const dda::System& system, const dda::BucketGeometry& bucket,

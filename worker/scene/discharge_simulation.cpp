@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "worker/dda/penalty_growth.h"
 #include "worker/dda/step.h"
 #include "worker/dda/step_energy.h"
 
@@ -17,8 +18,9 @@ using std::numbers::pi;
 constexpr double kSettledShare = 1e-6;    // kinetic energy / its peak (PHYSICS section E 3)
 constexpr double kLongestFilling = 5;     // s, then the run goes on with a warning
 constexpr double kExpectedFilling = 0.8;  // s, for the progress bar only
-constexpr double kLongestLanding = 5;     // s after the end angle
+constexpr double kLongestLanding = 5;     // s after the end angle; what flies then never lands
 constexpr double kHopelessOverlap = 1.0;  // overlap / smallest radius: disks pass through
+constexpr double kHopelessPath = 100;     // radii in one step
 constexpr double kFillingShare = 0.5;     // of the progress bar
 constexpr double kRotationShare = 0.45;
 
@@ -32,6 +34,22 @@ double smallest_radius(const dda::Disks& disks) {
   for (std::size_t k = 0; k < disks.count(); ++k)
     smallest = std::min(smallest, disks.pose[k].radius);
   return smallest;
+}
+
+// The energy bounds every speed, so that disks are only looked at when something is wrong.
+bool runaway(const dda::System& system) {
+  const double farthest = kHopelessPath * smallest_radius(system.disks);
+  double lightest = 0;  // as inverse mass
+  for (const dda::DiskMotion& v : system.disks.motion)
+    lightest = std::max(lightest, v.inverse_mass);
+  const double dt2 = system.time_step * system.time_step;
+  if (2 * system.report.kinetic_energy * lightest * dt2 < farthest * farthest) return false;
+  for (std::size_t k = 0; k < system.disks.count(); ++k) {
+    const dda::DiskMotion& v = system.disks.motion[k];
+    if (!system.disks.landed[k] && (v.vx * v.vx + v.vy * v.vy) * dt2 > farthest * farthest)
+      return true;
+  }
+  return false;
 }
 
 dda::Vec2 mass_centre(const dda::Disks& disks) {
@@ -55,7 +73,6 @@ std::string_view to_string(DischargePhase phase) {
 DischargeSimulation::DischargeSimulation(DischargePlan plan, const core::State* stored_filling)
     : plan_(std::move(plan)) {
   system_.contact = plan_.contact;
-  system_.solver = plan_.solver;
   system_.gravity = plan_.gravity;
   system_.drive.pulley_radius = plan_.pulley_radius;
   if (plan_.bucket) {
@@ -87,12 +104,22 @@ void DischargeSimulation::start_phase(DischargePhase phase, double start_time, d
   system_.time_step = time_step;
 }
 
+// Fillings use the impulse solver and backward Euler whatever the scene asks for: open-close
+// iterations need too many rounds in a falling pack, Newmark's trapezoid never comes to rest
+// (PHYSICS section F), and solvers are compared from one and the same bed.
+void DischargeSimulation::choose_solver() {
+  const bool fills = phase_ == DischargePhase::filling;
+  system_.solver = plan_.solver;
+  if (fills) system_.solver = {.tolerance = plan_.filling_tolerance};
+  system_.penalty = fills ? dda::PenaltyGrowth{} : plan_.penalty;
+}
+
 void DischargeSimulation::begin_filling() {
   system_.disks = plan_.filling == DischargePlan::Filling::drop
                       ? drop_array(plan_.disk_kind, *plan_.bucket)
                       : compact_order(plan_.disk_kind, *plan_.bucket);
   record_.placed_count = plan_.disk_kind.count;
-  system_.solver.tolerance = plan_.filling_tolerance;
+  choose_solver();
   system_.contact.stiffness = plan_.filling_stiffness;
   dda::reset_contacts(system_);
   start_phase(DischargePhase::filling, 0, plan_.filling_time_step);
@@ -106,8 +133,10 @@ void DischargeSimulation::end_filling() {
 
 void DischargeSimulation::begin_motion() {
   const bool placed = plan_.filling == DischargePlan::Filling::placed;
-  system_.solver.tolerance = plan_.solver.tolerance;
-  system_.contact.stiffness = plan_.contact.stiffness;
+  phase_ = DischargePhase::rotation;
+  choose_solver();
+  system_.contact.stiffness =
+      placed ? plan_.contact.stiffness : filling_->get_scalar<double>("stiffness");
   if (placed) {
     dda::reset_contacts(system_);
   } else {
@@ -138,7 +167,10 @@ void DischargeSimulation::begin_motion() {
   }
   record_.landing_x.assign(system_.disks.count(), std::numeric_limits<double>::quiet_NaN());
   record_.landed_inside.assign(system_.disks.count(), 0);
+  record_.in_target.assign(system_.disks.count(), 0);
   dda::open_ledger(system_);
+  if (system_.contact.stiffness != plan_.contact.stiffness)
+    dda::change_penalty(system_, plan_.contact.stiffness);
   if (moves_with_belt && plan_.run_up > 0) {
     const double duration = plan_.run_up / belt_speed;
     start_phase(DischargePhase::run_up, -duration, fitting_step(duration, plan_.time_step));
@@ -172,10 +204,25 @@ void DischargeSimulation::after_filling_step() {
     end_filling();
 }
 
+// The target may lie below the landing level: disks then fall on to its lowest point.
+LandingLevels DischargeSimulation::landing_levels() const {
+  LandingLevels levels{-plan_.pulley_radius, -plan_.pulley_radius};
+  for (const dda::Vec2 point : plan_.target) levels.floor = std::min(levels.floor, point.y);
+  return levels;
+}
+
+void DischargeSimulation::note_flight() {
+  if (plan_.bucket && !plan_.target.empty())
+    note_target(system_, *plan_.bucket, plan_.target, record_);
+  if (!plan_.air) return;
+  mark_flying(system_, plan_.bucket ? &*plan_.bucket : nullptr, flying_);
+  slow_flying_disks(system_, *plan_.air, flying_);
+}
+
 void DischargeSimulation::after_rotation_step() {
   if (plan_.bucket) {
     sample_discharge(system_, *plan_.bucket, false, record_);
-    if (has_landing()) note_landings(system_, *plan_.bucket, landing_level(), record_);
+    if (has_landing()) note_landings(system_, *plan_.bucket, landing_levels(), record_);
   }
   if (system_.time < end_time() - 0.5 * system_.time_step) return;
   if (plan_.bucket) close_record(system_, *plan_.bucket, record_);
@@ -185,6 +232,7 @@ void DischargeSimulation::after_rotation_step() {
 
 void DischargeSimulation::after_step() {
   system_.time = phase_start_ + static_cast<double>(++phase_steps_) * system_.time_step;
+  if (phase_ != DischargePhase::filling) note_flight();
   switch (phase_) {
     case DischargePhase::filling:
       return after_filling_step();
@@ -196,7 +244,7 @@ void DischargeSimulation::after_step() {
     case DischargePhase::rotation:
       return after_rotation_step();
     case DischargePhase::landing: {
-      note_landings(system_, *plan_.bucket, landing_level(), record_);
+      note_landings(system_, *plan_.bucket, landing_levels(), record_);
       const auto& landed = system_.disks.landed;
       if (std::find(landed.begin(), landed.end(), 0) == landed.end() ||
           system_.time > end_time() + kLongestLanding)
@@ -220,6 +268,12 @@ std::optional<core::Rejection> DischargeSimulation::check_sentinels() const {
                            {},
                            "use a smaller discharge.time_step_s or a larger "
                            "discharge.penalty.stiffness_n_per_m"};
+  if (runaway(system_))
+    return core::Rejection{
+        shown_time(),
+        "a disk moved by more than a hundred radii in one step",
+        {},
+        "use a smaller discharge.time_step_s, or discharge.solver.method IMPULSE"};
   return {};
 }
 

@@ -36,6 +36,7 @@ class DischargeSimulation : public core::Simulation {
   DischargePhase phase() const { return phase_; }
 
  private:
+  void choose_solver();  // of the phase
   void begin_filling();
   void end_filling();
   void begin_motion();
@@ -49,7 +50,8 @@ class DischargeSimulation : public core::Simulation {
   double shown_time() const;
   double longest_run_up() const;
   bool has_landing() const;
-  double landing_level() const { return -plan_.pulley_radius; }
+  LandingLevels landing_levels() const;
+  void note_flight();
 
   DischargePlan plan_;
   dda::System system_;
@@ -59,6 +61,7 @@ class DischargeSimulation : public core::Simulation {
   std::uint64_t phase_steps_ = 0;
   double peak_kinetic_energy_ = 0;  // of the filling
   std::optional<core::State> filling_;
+  std::vector<std::uint8_t> flying_;         // scratch of note_flight
   mutable std::vector<core::Column> shown_;  // columns behind the last frame() or physical_state()
 };
 

@@ -133,6 +133,7 @@ core::State store_filling(const dda::System& system, const dda::BucketGeometry& 
   put_list("pairs", carrying(system.lists.pairs, new_index, true), state);
   put_list("walls", carrying(system.lists.walls, new_index, false), state);
   state.put_scalar("placed_count", "1", static_cast<std::uint64_t>(placed_count));
+  state.put_scalar("stiffness", "N/m", system.contact.stiffness);
   state.put_scalar("settled", "1", static_cast<std::uint8_t>(settled));
   return state;
 }
@@ -155,15 +156,19 @@ void store_system(const dda::System& system, State& state) {
                                        reference.valid ? 1u : 0u});
   state.put("list_numbers", "s, m", std::vector<double>{reference.age, system.lists.skin()});
   state.put("touched", "1", system.touched);
-  state.put("system_numbers", "N/m, 1, s, s, rad/s, J, m",
-            std::vector<double>{system.contact.stiffness, system.solver.tolerance, system.time_step,
-                                system.time, system.drive.rotation_rate,
-                                system.report.kinetic_energy, system.report.worst_overlap});
+  state.put("system_numbers", "N/m, s, s, rad/s, J, m",
+            std::vector<double>{system.contact.stiffness, system.time_step, system.time,
+                                system.drive.rotation_rate, system.report.kinetic_energy,
+                                system.report.worst_overlap});
   const dda::StepCounters& c = system.counters;
   state.put("system_counters", "1",
             std::vector<std::uint64_t>{c.steps, c.disk_steps, c.sweeps, c.contact_updates,
                                        c.unconverged_steps, system.belt_runs ? 1u : 0u,
-                                       system.report.contacts});
+                                       system.report.contacts, c.open_close_iterations,
+                                       c.linear_iterations, c.penalty_growths,
+                                       system.ledger_is_new ? 1u : 0u, c.drag_evaluations});
+  put_records<dda::DiskAcceleration>(state, "contact_acceleration", "m/s2, m/s2, m/s2",
+                                     system.contact_acceleration);
   put_ledger(system.ledger, state);
 }
 
@@ -177,8 +182,8 @@ void load_system(const State& state, dda::System& system) {
   const auto list_numbers = state.get<double>("list_numbers");
   const auto numbers = state.get<double>("system_numbers");
   const auto counters = state.get<std::uint64_t>("system_counters");
-  if (list_counters.size() != 3 || list_numbers.size() != 2 || numbers.size() != 7 ||
-      counters.size() != 7)
+  if (list_counters.size() != 3 || list_numbers.size() != 2 || numbers.size() != 6 ||
+      counters.size() != 12)
     throw std::runtime_error("state: it comes from another version");
   reference.age_steps = list_counters[0];
   reference.horizon_steps = list_counters[1];
@@ -188,13 +193,15 @@ void load_system(const State& state, dda::System& system) {
   system.lists.set_skin(list_numbers[1]);
   system.touched = state.get<std::uint8_t>("touched");
   system.contact.stiffness = numbers[0];
-  system.solver.tolerance = numbers[1];
-  system.time_step = numbers[2];
-  system.time = numbers[3];
-  system.drive.rotation_rate = numbers[4];
-  system.report.kinetic_energy = numbers[5];
-  system.report.worst_overlap = numbers[6];
-  system.counters = {counters[0], counters[1], counters[2], counters[3], counters[4]};
+  system.time_step = numbers[1];
+  system.time = numbers[2];
+  system.drive.rotation_rate = numbers[3];
+  system.report.kinetic_energy = numbers[4];
+  system.report.worst_overlap = numbers[5];
+  system.counters = {counters[0], counters[1], counters[2], counters[3], counters[4],
+                     counters[7], counters[8], counters[9], counters[11]};
+  system.ledger_is_new = counters[10] != 0;
+  get_records<dda::DiskAcceleration>(state, "contact_acceleration", system.contact_acceleration);
   system.belt_runs = counters[5] != 0;
   system.report.contacts = counters[6];
   get_ledger(state, system.ledger);
@@ -214,6 +221,7 @@ void store_record(const DischargeRecord& record, State& state) {
   state.put("sample_cg_y", "m", record.sample_cg_y);
   state.put("landing_x", "m", record.landing_x);
   state.put("landed_inside", "1", record.landed_inside);
+  state.put("in_target", "1", record.in_target);
   put_records<measure::FlyingDisk>(state, "flying_at_end", "m, m, kg", record.flying_at_end);
 }
 
@@ -238,6 +246,7 @@ void load_record(const State& state, DischargeRecord& record) {
   record.sample_cg_y = state.get<double>("sample_cg_y");
   record.landing_x = state.get<double>("landing_x");
   record.landed_inside = state.get<std::uint8_t>("landed_inside");
+  record.in_target = state.get<std::uint8_t>("in_target");
   get_records<measure::FlyingDisk>(state, "flying_at_end", record.flying_at_end);
 }
 
@@ -262,6 +271,7 @@ void DischargeSimulation::restore(const State& state) {
   const auto scenario = state.get<double>("scenario");
   if (scenario.size() != 4) throw std::runtime_error("state: it comes from another version");
   phase_ = static_cast<DischargePhase>(static_cast<int>(scenario[0]));
+  choose_solver();
   phase_start_ = scenario[1];
   phase_steps_ = static_cast<std::uint64_t>(scenario[2]);
   peak_kinetic_energy_ = scenario[3];
