@@ -3,15 +3,12 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
-#include <filesystem>
-
 #include "tests/support/real_service.h"
 
 namespace granary::test {
 namespace {
 
 using nlohmann::json;
-namespace fs = std::filesystem;
 
 class Resume : public RealService {
  protected:
@@ -21,13 +18,13 @@ class Resume : public RealService {
     command.push_back(scene("discharge_small"));
     return command;
   }
-  // Files the server has published: results, fillings, checkpoints.
-  std::size_t artifact_count() const {
-    std::size_t count = 0;
-    for (const auto& folder : fs::directory_iterator(scratch.file("data/artifacts")))
-      if (folder.path().filename() != "incoming")
-        for (const auto& file : fs::directory_iterator(folder)) count += file.is_regular_file();
-    return count;
+  // Checkpoint files the server has committed for running jobs: looked up from outside, in its database.
+  bool checkpoint_is_stored() const {
+    const std::string count = "import sqlite3; print(sqlite3.connect('file:" + scratch.file("data/granary.db") +
+                              "?mode=ro', uri=True).execute('SELECT count(*) FROM resume_file').fetchone()[0])";
+    const Outputs outputs = run_program({.command = {"/usr/bin/env", "python3", "-c", count},
+                                         .environment = {}, .input = "", .on_terminal = false});
+    return outputs.exit_code == 0 && outputs.out != "0\n";
   }
   const std::map<std::string, std::string> eager_{{"GRANARY_CHECKPOINT_INTERVAL_S", "0.1"}};
 };
@@ -41,12 +38,11 @@ TEST_F(Resume, a_killed_worker_s_job_continues_on_another_from_its_checkpoint_bi
     workers.back()->wait();
     return json::parse(outputs.out);
   }();
-  const std::size_t before = artifact_count();
   Program& doomed = start_worker(1, eager_);
   const Outputs submitted = granary(medium_scene({"submit", "--fresh"}));
   ASSERT_EQ(submitted.exit_code, 0) << submitted.err;
   const std::string job = submitted.out.substr(0, submitted.out.find('\n'));
-  ASSERT_TRUE(eventually([&] { return artifact_count() > before; })) << "no checkpoint arrived";
+  ASSERT_TRUE(eventually([&] { return checkpoint_is_stored(); })) << "no checkpoint arrived";
   ASSERT_EQ(state(job), "running");
   doomed.signal(SIGKILL);
   doomed.wait();
