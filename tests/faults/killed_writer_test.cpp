@@ -24,6 +24,7 @@ using namespace granary::testing;
 
 constexpr std::size_t kParticles = 500;
 constexpr std::uint64_t kFramesPerSegment = 64;
+constexpr std::uint64_t kMostFrames = 1000;
 
 std::vector<double> positions_of(std::uint64_t frame) {
   std::vector<double> values(2 * kParticles);
@@ -32,10 +33,11 @@ std::vector<double> positions_of(std::uint64_t frame) {
   return values;
 }
 
-// Appends frames for ever and says after each which one it was.
+// Appends frames and says after each which one it was. However late the killer comes on a busy
+// machine, what has to be read afterwards stays small: it ends with waiting.
 [[noreturn]] void write_frames(const Path& directory, int report) {
   FrameStore store(real_file_system(), directory, {"scene", "1", "portable"}, "a scene");
-  for (std::uint64_t frame = 0;; ++frame) {
+  for (std::uint64_t frame = 0; frame < kMostFrames; ++frame) {
     const std::vector<double> positions = positions_of(frame);
     const core::ColumnView column{"position_m", "m", core::ElementType::f64,
                                   kParticles,   2,   positions.data()};
@@ -43,6 +45,7 @@ std::vector<double> positions_of(std::uint64_t frame) {
     if (write(report, &frame, sizeof frame) != sizeof frame) _exit(0);
     if (frame % kFramesPerSegment == kFramesPerSegment - 1) store.seal();
   }
+  for (;;) pause();
 }
 
 // The last frame the writer reported before it was killed after `life`.

@@ -57,24 +57,34 @@ StoredDataset read_dataset(hid_t dataset) {
   return out;
 }
 
-void walk(hid_t group, const std::string& prefix, StoredResult& out) {
-  H5G_info_t info;
-  H5Gget_info(group, &info);
-  for (hsize_t i = 0; i < info.nlinks; ++i) {
-    char name[256];
-    H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, name, sizeof name, H5P_DEFAULT);
-    const std::string path = prefix + "/" + name;
-    const hid_t object = H5Oopen(group, name, H5P_DEFAULT);
-    if (object < 0) throw std::runtime_error("cannot open " + path);
-    read_attributes(object, path, out);
-    if (H5Iget_type(object) == H5I_GROUP) walk(object, path, out);
-    if (H5Iget_type(object) == H5I_DATASET) {
-      out.datasets[path] = read_dataset(object);
-      const auto units = out.texts.find(path + "@units");
-      if (units != out.texts.end()) out.datasets[path].units = units->second;
-    }
-    H5Oclose(object);
+struct Walk {
+  std::string prefix;
+  StoredResult& out;
+};
+
+void walk(hid_t group, const std::string& prefix, StoredResult& out);
+
+// Called for every link of a group.
+herr_t visit_link(hid_t group, const char* name, const H5L_info_t*, void* data) {
+  const auto& [prefix, out] = *static_cast<Walk*>(data);
+  const std::string path = prefix + "/" + name;
+  const hid_t object = H5Oopen(group, name, H5P_DEFAULT);
+  if (object < 0) return -1;
+  read_attributes(object, path, out);
+  if (H5Iget_type(object) == H5I_GROUP) walk(object, path, out);
+  if (H5Iget_type(object) == H5I_DATASET) {
+    out.datasets[path] = read_dataset(object);
+    const auto units = out.texts.find(path + "@units");
+    if (units != out.texts.end()) out.datasets[path].units = units->second;
   }
+  H5Oclose(object);
+  return 0;
+}
+
+void walk(hid_t group, const std::string& prefix, StoredResult& out) {
+  Walk data{prefix, out};
+  if (H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, visit_link, &data) < 0)
+    throw std::runtime_error("cannot open what is in " + prefix);
 }
 
 }  // namespace
