@@ -18,7 +18,9 @@
 #include "worker/storage/verify.h"
 
 // Under the address sanitizer: what HDF5 itself leaks when a close fails is not ours to free.
-extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libhdf5";
+}
 
 namespace granary::run {
 namespace {
