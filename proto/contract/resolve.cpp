@@ -130,7 +130,12 @@ class Resolver {
     const double froude = d.has_rademacher_ka() ? d.rademacher_ka()
                                                 : d.rotation_rad_per_s() * d.rotation_rad_per_s() *
                                                       radius / std::max(gravity, 1e-9);
-    if (!d.solver().has_tolerance())
+    const bool small_steps = d.solver().method() == v1::Solver::IMPULSE &&
+                             d.solver().integrator() == v1::Solver::BACKWARD_EULER;
+    if (!d.solver().has_tolerance() && small_steps)
+      choose("discharge.solver.tolerance", 0.3,
+             "small steps with K h^2 / m <= 1, each started from the impulses of the one before");
+    else if (!d.solver().has_tolerance())
       choose("discharge.solver.tolerance", froude > 1 ? 1e-2 : 1e-3,
              froude > 1 ? "centrifugal flow (omega^2 R / g > 1)" : "gravity discharge and holding");
     if (d.solver().method() == v1::Solver::OPEN_CLOSE && !d.solver().has_max_iterations())

@@ -6,8 +6,10 @@ void ActiveContacts::reserve(std::size_t capacity) {
   if (first.size() >= capacity) return;
   for (auto* indices : {&first, &second, &slot}) indices->resize(capacity);
   for (auto* values : {&normal_x, &normal_y, &bias_n, &bias_t, &weight_n, &weight_t, &impulse_n,
-                       &impulse_t, &gap_start, &stored_t})
+                       &impulse_t, &gap_start, &stored_t, &gap_linear, &offset_t, &curvature,
+                       &gap_now, &stick_t, &slide_t, &rebound, &drift_n, &drift_t})
     values->resize(capacity);
+  group_rebounds.resize(capacity / kGroupSize + 1);
 }
 
 }  // namespace granary::dda

@@ -17,6 +17,8 @@ namespace granary::dda {
 
 inline constexpr std::size_t kGroupSize = 8;
 
+inline constexpr double kNoRebound = -1e30;
+
 struct CandidateList {
   AlignedVector<std::int32_t> first;        // disk
   AlignedVector<std::int32_t> second;       // disk; wall segment in the wall list
@@ -39,8 +41,21 @@ struct ActiveContacts {
   AlignedVector<double> impulse_n, impulse_t;  // N s
   AlignedVector<double> gap_start;             // m, < 0 where disks overlap
   AlignedVector<double> stored_t;              // N, tangential force at the start of the step
-  std::size_t size = 0;                        // padded
-  std::size_t contact_count = 0;               // without padding
+
+  // For small steps within the step. After a relative displacement d of the bodies
+  //   gap = gap_linear + d_n + curvature (offset_t + d_t)^2,
+  // the distance along the fixed normal and its second-order change by turning.
+  AlignedVector<double> gap_linear;  // m
+  AlignedVector<double> offset_t;    // m, of the centres along the tangent
+  AlignedVector<double> curvature;   // 1/m; 0 at walls
+  AlignedVector<double> gap_now;     // m
+  AlignedVector<double> stick_t;     // N s, tangential impulse of the small step before
+  AlignedVector<double> slide_t;     // m, of the surfaces, since the start of the step
+  AlignedVector<double> rebound;     // m/s, u_n after the gap closes; kNoRebound = no collision
+  std::vector<std::uint8_t> group_rebounds;  // per group: some contact of it may collide
+  AlignedVector<double> drift_n, drift_t;    // m/s, of walls, against the disk's zero velocity
+  std::size_t size = 0;                      // padded
+  std::size_t contact_count = 0;             // without padding
 
   void reserve(std::size_t capacity);
 };

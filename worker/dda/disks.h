@@ -30,6 +30,14 @@ struct alignas(32) DiskMotion {
   double inverse_mass = 0;
 };
 
+// What a disk has moved since the start of a step.
+struct alignas(32) DiskShift {
+  double x = 0;
+  double y = 0;
+  double surface = 0;  // radius * angle
+  double unused = 0;
+};
+
 struct Disks {
   AlignedVector<DiskPose> pose;        // count() + 1 records
   AlignedVector<DiskMotion> motion;    // count() + 1 records

@@ -1,5 +1,5 @@
-// Where the disks start (PHYSICS section E 3): an ordered, slightly jittered array above the wall,
-// within the mouth, to be dropped; or a compact order placed by hand inside the bucket.
+// Where the disks start (PHYSICS section E 3): an ordered, slightly jittered array lowered into the
+// bucket as far as its walls let it, to be dropped; or a compact order placed by hand inside it.
 #pragma once
 
 #include <cstdint>

@@ -26,18 +26,17 @@ void solve_impulses(System& system) {
   ActiveContacts& pairs = system.pair_contacts;
   ActiveContacts& walls = system.wall_contacts;
   const ContactArrays pair_arrays = arrays_of(pairs), wall_arrays = arrays_of(walls);
-  const ContactTerms pair_terms = contact_terms(system, system.contact.friction_disks);
-  const ContactTerms wall_terms = contact_terms(system, system.contact.friction_walls);
-  run.apply_impulses(pair_arrays, pairs.size, pair_terms.spin_factor, motion);
-  run.apply_impulses(wall_arrays, walls.size, wall_terms.spin_factor, motion);
+  const ContactTerms of_pairs = pair_terms(system), of_walls = wall_terms(system);
+  run.apply_impulses(pair_arrays, pairs.size, of_pairs.spin_factor, motion);
+  run.apply_impulses(wall_arrays, walls.size, of_walls.spin_factor, motion);
 
   const double tolerance2 = system.solver.tolerance * system.solver.tolerance;
   SweepSums sums;
   std::uint32_t sweeps = 0;
   do {
     sums = {};
-    run.sweep(pair_arrays, pairs.size, pair_terms, motion, &sums);
-    run.sweep(wall_arrays, walls.size, wall_terms, motion, &sums);
+    run.sweep(pair_arrays, pairs.size, of_pairs, motion, &sums);
+    run.sweep(wall_arrays, walls.size, of_walls, motion, &sums);
     ++sweeps;
   } while (sums.change > tolerance2 * sums.total && sweeps < system.solver.max_sweeps);
   system.report.sweeps = sweeps;
@@ -48,8 +47,8 @@ void solve_impulses(System& system) {
 }
 
 void keep_forces(System& system) {
-  keep_forces_of(system.pair_contacts, system.time_step, system.lists.pairs);
-  keep_forces_of(system.wall_contacts, system.time_step, system.lists.walls);
+  keep_forces_of(system.pair_contacts, pair_terms(system).small_step, system.lists.pairs);
+  keep_forces_of(system.wall_contacts, wall_terms(system).small_step, system.lists.walls);
 }
 
 }  // namespace granary::dda

@@ -52,7 +52,7 @@ void begin_integration(System& system) {
 void keep_contact_accelerations(System& system) {
   if (system.solver.integrator != Integrator::newmark_trapezoid) return;
   system.contact_acceleration.assign(system.disks.count() + 1, {});
-  const double spin_factor = contact_terms(system, 0).spin_factor;
+  const double spin_factor = pair_terms(system).spin_factor;
   accumulate(system, system.pair_contacts, spin_factor, system.contact_acceleration);
   accumulate(system, system.wall_contacts, spin_factor, system.contact_acceleration);
 }

@@ -25,6 +25,16 @@ struct ContactArrays {
   double* impulse_t;
   double* gap_start;
   double* stored_t;
+  double* gap_linear;
+  double* offset_t;
+  double* curvature;
+  double* gap_now;
+  double* stick_t;
+  double* slide_t;
+  double* rebound;
+  double* drift_n;
+  double* drift_t;
+  std::uint8_t* group_rebounds;
 };
 
 // Borrowed arrays of a CandidateList.
@@ -39,11 +49,17 @@ struct CandidateArrays {
 
 struct ContactTerms {
   double time_step;
-  double compliance;             // 1 / (K dt^2) [1/kg]
+  double small_step;  // time_step / whole number; impulses belong to it
+  double stiffness;   // K [N/m]
+  double damping_n;   // c [N s/m] of the dashpots
+  double damping_t;
+  double compliance;    // 1 / (K h^2) [1/kg], h = small_step
+  double compliance_n;  // 1 / (K h^2 + c h) [1/kg]
+  double compliance_t;
   double friction;               // tan of the friction angle
   double spin_factor;            // 2 for a disk, 0 with particle rotation switched off
   double relaxation;             // over-relaxation of the sweeps
-  double margin_ratio;           // speculative margin / (r_i + r_k)
+  double normal_time;            // normals are taken where the velocities lead by then [s]
   double restitution;            // 0 = none
   double restitution_threshold;  // m/s, slower approaches do not bounce
 };
@@ -54,18 +70,63 @@ struct SweepSums {
   double total = 0;
 };
 
+// Small steps: what a sweep needs besides ContactTerms, and what it adds up.
+struct SmallStep {
+  double elapsed;    // s, since the start of the step
+  bool first_sweep;  // of this small step: books the small step before
+  bool books;        // a small step was done before
+};
+struct SmallStepSums {
+  double change = 0, total = 0;  // N2 s2, as SweepSums
+  // J, over all contacts
+  double integrator = 0, damping = 0, wall_work = 0;
+  double friction = 0;         // of collisions; sliding is in the next two
+  double tangential_work = 0;  // sum P_t d_t of the impulses on the disks [N m s]
+  double stick_work = 0;       // sum S (S - S before) of the tangential springs' impulses [N2 s2]
+  double dashpot_work = 0;     // sum (S - P_t) d_t [N m s]
+};
+// Sums over the contacts of a step.
+struct ContactSums {
+  double overlap2 = 0;  // m2, at the end
+  double overlap2_start = 0;
+  double stored2 = 0;        // N2, tangential forces at the start
+  double stick2 = 0;         // N2 s2, of the tangential springs, last small step
+  double worst_overlap = 0;  // m, at the start
+};
+
 struct Kernels {
   const char* name;
-  // Narrow phase: appends the pairs that can act in this step, colour by colour. Returns the padded
-  // number of contacts; `contact_count` counts real ones. `touched` gets 1 for their disks.
+  // Narrow phase: appends the pairs that can act in this step, colour by colour. `ahead`: positions
+  // that the velocities lead to by the end of the step, radii with the speculative margin. Returns
+  // the padded number of contacts; `contact_count` counts real ones. `touched` gets 1 for their
+  // disks. `picked`: scratch as long as the candidates.
   std::size_t (*select_pairs)(const CandidateArrays&, const DiskPose*, const DiskMotion*,
-                              std::int32_t rest, const ContactTerms&, const ContactArrays&,
-                              std::uint8_t* touched, std::size_t* contact_count);
+                              const DiskPose* ahead, std::int32_t rest, const ContactTerms&,
+                              const ContactArrays&, std::uint8_t* touched, std::int32_t* picked,
+                              std::size_t* contact_count);
   // Adds the impulses kept in the contacts to the velocities (warm start).
   void (*apply_impulses)(const ContactArrays&, std::size_t count, double spin_factor, DiskMotion*);
   // One projected Gauss-Seidel sweep.
   void (*sweep)(const ContactArrays&, std::size_t count, const ContactTerms&, DiskMotion*,
                 SweepSums*);
+
+  // Small steps. One sweep over pairs or walls. `before`: velocities at the start of the small
+  // step.
+  void (*small_sweep_pairs)(const ContactArrays&, std::size_t count, const ContactTerms&,
+                            const SmallStep&, const DiskShift*, DiskMotion*, DiskMotion* before,
+                            SmallStepSums*);
+  void (*small_sweep_walls)(const ContactArrays&, std::size_t count, const ContactTerms&,
+                            const SmallStep&, const DiskShift*, DiskMotion*, DiskMotion* before,
+                            SmallStepSums*);
+  // Books the last small step of a step.
+  void (*close_pairs)(const ContactArrays&, std::size_t count, const ContactTerms&,
+                      const SmallStep&, const DiskShift*, SmallStepSums*, ContactSums*);
+  void (*close_walls)(const ContactArrays&, std::size_t count, const ContactTerms&,
+                      const SmallStep&, const DiskShift*, SmallStepSums*, ContactSums*);
+  // Moves the disks of `index` through a small step h and starts the next one with the same
+  // acceleration (gravity and warm start in one). Returns sum m dv^2 / 2 [J].
+  double (*advance_disks)(const std::uint32_t* index, std::size_t count, double small_step,
+                          const double* mass, DiskMotion*, DiskMotion* before, DiskShift*);
 };
 
 // The fastest variant that this processor runs.

@@ -1,12 +1,31 @@
 #include "worker/dda/narrow_phase.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace granary::dda {
 namespace {
 
 // Slower approaches than this do not bounce: below it resting contacts would chatter.
 constexpr double kRestitutionThreshold = 0.02;  // m/s; a fall of 0.02 mm
+constexpr std::uint32_t kMostSmallSteps = 200;
+
+// Damping ratio of the dashpot with which a spring contact rebounds with e (PHYSICS section A1).
+double damping_ratio(double restitution) {
+  if (restitution <= 0) return 1;
+  const double log_e = std::log(restitution);
+  return -log_e / std::sqrt(std::numbers::pi * std::numbers::pi + log_e * log_e);
+}
+
+// Steps h with kappa = K h^2 / m at most the setting.
+std::uint32_t small_step_count(const System& system) {
+  if (!takes_small_steps(system)) return 1;
+  const double kappa =
+      system.contact.stiffness * system.time_step * system.time_step / system.mean_mass;
+  const double count = std::ceil(std::sqrt(kappa / system.solver.small_step_kappa));
+  return static_cast<std::uint32_t>(std::clamp<double>(count, 1, kMostSmallSteps));
+}
 
 CandidateArrays arrays_of(const CandidateList& list) {
   return {list.first.data(),        list.second.data(),
@@ -31,17 +50,20 @@ void append_wall_contact(System& system, const ContactTerms& terms, const WallSt
   const Vec2 centre{pose.x, pose.y};
   const auto touch = touch_segment(system.walls.segments, list.second[slot], start.to_body(centre),
                                    end.to_body(centre + terms.time_step * velocity), pose.radius);
-  const double force = list.normal_force[slot];
+  const double force = list.normal_force[slot], margin_ratio = system.solver.margin_ratio;
   if (!touch ||
-      !(std::min(touch->gap_start, touch->gap_end) < terms.margin_ratio * pose.radius || force > 0))
+      !(std::min(touch->gap_start, touch->gap_end) < margin_ratio * pose.radius || force > 0))
     return;
 
   const Vec2 normal = end.turn(touch->normal), tangent{-normal.y, normal.x};
   const Vec2 wall_velocity =
       (1 / terms.time_step) * (end.to_world(touch->point) - start.to_world(touch->point));
   const double approach = dot(normal, wall_velocity - velocity);
-  double bias = touch->gap_end / terms.time_step + dot(normal, velocity);
-  if (terms.restitution > 0 && approach < -terms.restitution_threshold && touch->gap_end < 0)
+  const double gap_linear = touch->gap_end + terms.time_step * dot(normal, velocity) -
+                            terms.time_step * dot(normal, wall_velocity);
+  const bool bounces = approach < -terms.restitution_threshold && touch->gap_end < 0;
+  double bias = gap_linear / terms.time_step + dot(normal, wall_velocity);
+  if (terms.restitution > 0 && bounces)
     bias = std::min(bias, dot(normal, wall_velocity) + terms.restitution * approach);
 
   ActiveContacts& out = system.wall_contacts;
@@ -53,14 +75,20 @@ void append_wall_contact(System& system, const ContactTerms& terms, const WallSt
   out.normal_x[k] = normal.x;
   out.normal_y[k] = normal.y;
   out.bias_n[k] = bias;
-  out.bias_t[k] = dot(tangent, wall_velocity) - terms.compliance * terms.time_step * stored;
-  out.weight_n[k] = terms.relaxation / (motion.inverse_mass + terms.compliance);
+  out.bias_t[k] = dot(tangent, wall_velocity) - terms.compliance * terms.small_step * stored;
+  out.weight_n[k] = terms.relaxation / (motion.inverse_mass + terms.compliance_n);
   out.weight_t[k] =
-      terms.relaxation / ((1 + terms.spin_factor) * motion.inverse_mass + terms.compliance);
-  out.impulse_n[k] = terms.time_step * force;
-  out.impulse_t[k] = terms.time_step * stored;
+      terms.relaxation / ((1 + terms.spin_factor) * motion.inverse_mass + terms.compliance_t);
+  out.impulse_n[k] = terms.small_step * force;
+  out.impulse_t[k] = terms.small_step * stored;
   out.gap_start[k] = touch->gap_start;
   out.stored_t[k] = stored;
+  out.gap_linear[k] = gap_linear;
+  out.offset_t[k] = out.curvature[k] = 0;
+  out.rebound[k] = bounces && force == 0 ? -terms.restitution * approach : kNoRebound;
+  out.group_rebounds[k / kGroupSize] |= out.rebound[k] != kNoRebound;
+  out.drift_n[k] = dot(normal, wall_velocity);
+  out.drift_t[k] = dot(tangent, wall_velocity);
   system.wall_velocity[k] = wall_velocity;
   system.touched[static_cast<std::size_t>(disk)] = 1;
   ++out.contact_count;
@@ -76,6 +104,9 @@ void pad_walls(System& system) {
     out.normal_x[k] = out.bias_n[k] = out.gap_start[k] = 1;
     out.normal_y[k] = out.bias_t[k] = out.weight_n[k] = out.weight_t[k] = 0;
     out.impulse_n[k] = out.impulse_t[k] = out.stored_t[k] = 0;
+    out.gap_linear[k] = 1;
+    out.offset_t[k] = out.curvature[k] = out.drift_n[k] = out.drift_t[k] = 0;
+    out.rebound[k] = kNoRebound;
     system.wall_velocity[k] = {};
   }
 }
@@ -86,6 +117,7 @@ void select_walls(System& system, const ContactTerms& terms) {
   out.reserve(list.size());
   system.wall_velocity.resize(out.first.size());
   out.size = out.contact_count = 0;
+  std::fill(out.group_rebounds.begin(), out.group_rebounds.end(), std::uint8_t{0});
   const WallStep walls{system.bucket_pose(system.time),
                        system.bucket_pose(system.time + system.time_step)};
   for (std::size_t colour = 0; colour + 1 < list.colour_start.size(); ++colour) {
@@ -97,35 +129,72 @@ void select_walls(System& system, const ContactTerms& terms) {
 
 }  // namespace
 
-ContactTerms contact_terms(const System& system, double friction) {
-  const double dt = system.time_step;
+bool takes_small_steps(const System& system) {
+  return system.solver.small_step_kappa > 0 && system.solver.method == SolverMethod::impulse &&
+         system.solver.integrator == Integrator::backward_euler;
+}
+
+ContactTerms contact_terms(const System& system, double friction, double reduced_mass) {
+  const double dt = system.time_step, stiffness = system.contact.stiffness;
+  const std::uint32_t count = small_step_count(system);
+  const double h = dt / count;
+  const bool small_steps = takes_small_steps(system);
+  const double spin_factor = system.contact.rotation ? 2.0 : 0.0;
+  const double ratio = small_steps ? damping_ratio(system.contact.restitution) : 0;
+  const double damping_n = 2 * ratio * std::sqrt(stiffness * reduced_mass);
+  const double damping_t = damping_n / std::sqrt(1 + spin_factor);
   return {.time_step = dt,
-          .compliance = 1 / (system.contact.stiffness * dt * dt),
+          .small_step = h,
+          .stiffness = stiffness,
+          .damping_n = damping_n,
+          .damping_t = damping_t,
+          .compliance = 1 / (stiffness * h * h),
+          .compliance_n = 1 / (stiffness * h * h + damping_n * h),
+          .compliance_t = 1 / (stiffness * h * h + damping_t * h),
           .friction = friction,
-          .spin_factor = system.contact.rotation ? 2.0 : 0.0,
-          .relaxation = system.solver.relaxation,
-          .margin_ratio = system.solver.margin_ratio,
+          .spin_factor = spin_factor,
+          .relaxation = small_steps ? 1.0 : system.solver.relaxation,
+          .normal_time = small_steps ? dt / 2 : dt,
           .restitution = system.contact.restitution,
           .restitution_threshold = kRestitutionThreshold};
 }
 
+ContactTerms pair_terms(const System& system) {
+  return contact_terms(system, system.contact.friction_disks, system.mean_mass / 2);
+}
+
+ContactTerms wall_terms(const System& system) {
+  return contact_terms(system, system.contact.friction_walls, system.mean_mass);
+}
+
 ContactArrays arrays_of(ActiveContacts& c) {
-  return {c.first.data(),    c.second.data(),    c.slot.data(),      c.normal_x.data(),
-          c.normal_y.data(), c.bias_n.data(),    c.bias_t.data(),    c.weight_n.data(),
-          c.weight_t.data(), c.impulse_n.data(), c.impulse_t.data(), c.gap_start.data(),
-          c.stored_t.data()};
+  return {c.first.data(),    c.second.data(),     c.slot.data(),          c.normal_x.data(),
+          c.normal_y.data(), c.bias_n.data(),     c.bias_t.data(),        c.weight_n.data(),
+          c.weight_t.data(), c.impulse_n.data(),  c.impulse_t.data(),     c.gap_start.data(),
+          c.stored_t.data(), c.gap_linear.data(), c.offset_t.data(),      c.curvature.data(),
+          c.gap_now.data(),  c.stick_t.data(),    c.slide_t.data(),       c.rebound.data(),
+          c.drift_n.data(),  c.drift_t.data(),    c.group_rebounds.data()};
 }
 
 void select_contacts(System& system) {
   std::fill(system.touched.begin(), system.touched.end(), std::uint8_t{0});
-  const ContactTerms pair_terms = contact_terms(system, system.contact.friction_disks);
+  const double dt = system.time_step, widened = 1 + system.solver.margin_ratio;
+  const std::size_t count = system.disks.count();
+  system.ahead.resize(count + 1);
+  for (std::size_t k = 0; k < count; ++k) {
+    const DiskPose& p = system.disks.pose[k];
+    const DiskMotion& v = system.disks.motion[k];
+    system.ahead[k] = {p.x + dt * v.vx, p.y + dt * v.vy, widened * p.radius, 0};
+  }
+  system.ahead[count] = system.disks.pose[count];
   ActiveContacts& pairs = system.pair_contacts;
   pairs.reserve(system.lists.pairs.size());
-  pairs.size =
-      kernels().select_pairs(arrays_of(system.lists.pairs), system.disks.pose.data(),
-                             system.disks.motion.data(), system.disks.rest_index(), pair_terms,
-                             arrays_of(pairs), system.touched.data(), &pairs.contact_count);
-  select_walls(system, contact_terms(system, system.contact.friction_walls));
+  system.picked.resize(system.lists.pairs.size() + kGroupSize);
+  pairs.size = kernels().select_pairs(
+      arrays_of(system.lists.pairs), system.disks.pose.data(), system.disks.motion.data(),
+      system.ahead.data(), system.disks.rest_index(), pair_terms(system), arrays_of(pairs),
+      system.touched.data(), system.picked.data(), &pairs.contact_count);
+  select_walls(system, wall_terms(system));
   system.report.contacts = pairs.contact_count + system.wall_contacts.contact_count;
 }
 

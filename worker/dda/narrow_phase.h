@@ -7,7 +7,11 @@
 
 namespace granary::dda {
 
-ContactTerms contact_terms(const System& system, double friction);
+// Does the solver cut steps into small ones (small_steps.h)?
+bool takes_small_steps(const System& system);
+
+ContactTerms pair_terms(const System& system);
+ContactTerms wall_terms(const System& system);
 ContactArrays arrays_of(ActiveContacts& contacts);
 
 void select_contacts(System& system);

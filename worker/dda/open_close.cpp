@@ -63,7 +63,7 @@ class OpenCloseStep {
 };
 
 OpenCloseStep::OpenCloseStep(System& system) : system_(system) {
-  const ContactTerms terms = contact_terms(system, 0);
+  const ContactTerms terms = pair_terms(system);
   stiffness_ = 1 / terms.compliance;
   spins_ = terms.spin_factor > 0;
   block_of_.assign(system.disks.count() + 1, OpenCloseMatrix::kWall);

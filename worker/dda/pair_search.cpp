@@ -7,98 +7,134 @@
 namespace granary::dda {
 namespace {
 
-std::int32_t cell_of(double position, double inverse_cell) {
-  return static_cast<std::int32_t>(std::floor(position * inverse_cell));
-}
-
-std::uint32_t hash_cell(std::int32_t x, std::int32_t y) {
-  const std::uint32_t h =
-      static_cast<std::uint32_t>(x) * 0x9e3779b1u ^ static_cast<std::uint32_t>(y) * 0x85ebca77u;
-  return h ^ (h >> 15);
-}
-
-// Smallest distance over the horizon, assuming straight relative motion, within the two reaches?
-bool comes_near(const SweptDisk& a, const SweptDisk& b, double horizon) {
-  const double dx = b.x - a.x, dy = b.y - a.y;
-  const double ux = b.vx - a.vx, uy = b.vy - a.vy;
-  const double closing = -(dx * ux + dy * uy);
-  const double speed2 = ux * ux + uy * uy;
-  const double time = closing <= 0 ? 0 : (closing >= horizon * speed2 ? horizon : closing / speed2);
-  const double x = dx + time * ux, y = dy + time * uy;
-  const double reach = a.reach + b.reach;
-  return x * x + y * y < reach * reach;
-}
+// A torus narrower than four cells would make a cell its own neighbour.
+constexpr std::uint32_t kFewestColumns = 4;
+// Share of the disks that looks into adjacent cells only.
+constexpr double kUsualShare = 0.85;
 
 }  // namespace
 
-void PairSearch::sweep_boxes(std::span<const SweptDisk> disks, double horizon) {
-  boxes_.resize(disks.size());
+// Smallest distance within half a horizon before and after, within the two reaches?
+bool PairSearch::comes_near(const Path& a, const Path& b, double half_horizon) {
+  const double dx = b.x - a.x, dy = b.y - a.y, reach = a.reach + b.reach;
+  if (dx * dx + dy * dy < reach * reach) return true;
+  const double ux = b.vx - a.vx, uy = b.vy - a.vy;
+  const double approach = -(dx * ux + dy * uy), speed2 = ux * ux + uy * uy;
+  const double limit = half_horizon * speed2;
+  const double time = approach >= limit    ? half_horizon
+                      : approach <= -limit ? -half_horizon
+                                           : approach / speed2;
+  const double x = dx + time * ux, y = dy + time * uy;
+  return x * x + y * y < reach * reach;
+}
+
+std::uint32_t PairSearch::column_of(double x) const {
+  return static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(x * inverse_cell_))) &
+         (columns_ - 1);
+}
+
+std::uint32_t PairSearch::row_of(double y) const {
+  return column_of(y) * columns_;
+}
+
+void PairSearch::choose_cells(std::span<const SearchDisk> disks) {
+  spans_.resize(disks.size());
+  for (std::size_t k = 0; k < disks.size(); ++k) spans_[k] = disks[k].reach + disks[k].sweep;
+  const auto usual = spans_.begin() + static_cast<std::ptrdiff_t>(
+                                          kUsualShare * static_cast<double>(disks.size() - 1));
+  std::nth_element(spans_.begin(), usual, spans_.end());
+  base_span_ = *usual;
+  inverse_cell_ = 1 / (2 * base_span_);
+  const auto side = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(disks.size())));
+  columns_ = std::max(kFewestColumns, std::bit_ceil(side));
+}
+
+void PairSearch::sort_into_cells(std::span<const SearchDisk> disks) {
+  start_.assign(columns_ * columns_ + 1, 0);
+  cell_of_.resize(disks.size());
   for (std::size_t k = 0; k < disks.size(); ++k) {
-    const SweptDisk& d = disks[k];
-    const double sx = horizon * d.vx, sy = horizon * d.vy;
-    boxes_[k] = {d.x + std::min(sx, 0.0) - d.reach, d.y + std::min(sy, 0.0) - d.reach,
-                 d.x + std::max(sx, 0.0) + d.reach, d.y + std::max(sy, 0.0) + d.reach};
+    cell_of_[k] = row_of(disks[k].y) + column_of(disks[k].x);
+    ++start_[cell_of_[k] + 1];
+  }
+  for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
+  sorted_.resize(disks.size());
+  path_.resize(disks.size());
+  sorted_cell_.resize(disks.size());
+  // Counting down from the end of each cell keeps the order of the input; start_[c + 1] ends up as
+  // the start of cell c.
+  for (std::size_t k = disks.size(); k-- > 0;) {
+    const SearchDisk& d = disks[k];
+    const double span = d.reach + d.sweep;
+    const std::uint32_t place = --start_[cell_of_[k] + 1];
+    sorted_[place] = {d.x, d.y, span, span > base_span_};
+    path_[place] = {d.x, d.y, d.vx, d.vy, d.reach, d.index};
+    sorted_cell_[place] = cell_of_[k];
+  }
+  std::rotate(start_.begin(), start_.begin() + 1, start_.end());
+  start_.back() = static_cast<std::uint32_t>(disks.size());
+}
+
+// Pairs of `one` with those of [begin, end) that it has to find: usual ones with each other in the
+// order of the cells; a wide one with all usual ones and with less wide ones.
+void PairSearch::look_into(std::size_t one, std::size_t begin, std::size_t end) {
+  const Sorted a = sorted_[one];
+  if (near_.size() < near_count_ + (end - begin)) near_.resize(2 * near_.size() + (end - begin));
+  DiskPair* out = near_.data();
+  std::size_t count = near_count_;
+  for (std::size_t k = begin; k < end; ++k) {
+    const Sorted& b = sorted_[k];
+    const double dx = b.x - a.x, dy = b.y - a.y, span = a.span + b.span;
+    const bool narrower = (b.span < a.span) | ((b.span == a.span) & (k < one));
+    const bool mine = (!b.wide) | (a.wide & narrower);
+    out[count] = {static_cast<std::int32_t>(one), static_cast<std::int32_t>(k)};
+    count += (dx * dx + dy * dy < span * span) & mine;
+  }
+  near_count_ = count;
+}
+
+void PairSearch::look_around(std::size_t one) {
+  const std::uint32_t cell = sorted_cell_[one];
+  const std::uint32_t column = cell & (columns_ - 1), row = cell - column;
+  const std::uint32_t east = (column + 1) & (columns_ - 1), west = (column - 1) & (columns_ - 1);
+  const std::uint32_t above = (row + columns_) & (columns_ * columns_ - 1);
+  if (west < east) {  // the three columns are next to each other in memory
+    look_into(one, one + 1, start_[row + east + 1]);
+    look_into(one, start_[above + west], start_[above + east + 1]);
+    return;
+  }
+  look_into(one, one + 1, start_[cell + 1]);
+  look_into(one, start_[row + east], start_[row + east + 1]);
+  for (const std::uint32_t c : {west, column, east})
+    look_into(one, start_[above + c], start_[above + c + 1]);
+}
+
+void PairSearch::look_far(std::size_t one) {
+  const Sorted& a = sorted_[one];
+  const double range = 2 * a.span;
+  const auto cells = static_cast<std::uint32_t>(2 * range * inverse_cell_) + 2;
+  const std::uint32_t across = std::min(cells, columns_);
+  const std::uint32_t first_column = column_of(a.x - range), first_row = column_of(a.y - range);
+  for (std::uint32_t r = 0; r < across; ++r) {
+    const std::uint32_t row = ((first_row + r) & (columns_ - 1)) * columns_;
+    const std::uint32_t last = first_column + across;  // may run over the seam of the torus
+    look_into(one, start_[row + first_column], start_[row + std::min(last, columns_)]);
+    if (last > columns_) look_into(one, start_[row], start_[row + last - columns_]);
   }
 }
 
-void PairSearch::hash_boxes(double cell) {
-  const double inverse = 1 / cell;
-  unsorted_.clear();
-  for (std::size_t k = 0; k < boxes_.size(); ++k) {
-    const Box& box = boxes_[k];
-    const std::int32_t x0 = cell_of(box.x_min, inverse), x1 = cell_of(box.x_max, inverse);
-    const std::int32_t y0 = cell_of(box.y_min, inverse), y1 = cell_of(box.y_max, inverse);
-    for (std::int32_t y = y0; y <= y1; ++y)
-      for (std::int32_t x = x0; x <= x1; ++x)
-        unsorted_.push_back({x, y, static_cast<std::int32_t>(k)});
-  }
-  const std::size_t bucket_count = std::bit_ceil(unsorted_.size() + 1);
-  bucket_start_.assign(bucket_count + 1, 0);
-  hash_.resize(unsorted_.size());
-  for (std::size_t e = 0; e < unsorted_.size(); ++e) {
-    hash_[e] = hash_cell(unsorted_[e].cell_x, unsorted_[e].cell_y) &
-               static_cast<std::uint32_t>(bucket_count - 1);
-    ++bucket_start_[hash_[e] + 1];
-  }
-  for (std::size_t b = 0; b < bucket_count; ++b) bucket_start_[b + 1] += bucket_start_[b];
-  entries_.resize(unsorted_.size());
-  for (std::size_t e = unsorted_.size(); e-- > 0;)
-    entries_[--bucket_start_[hash_[e] + 1]] = unsorted_[e];
-  // bucket_start_[b + 1] now is the start of bucket b, and the entries keep their order.
-}
-
-void PairSearch::pair_bucket(std::span<const SweptDisk> disks, std::size_t begin, std::size_t end,
-                             double horizon, double cell, std::vector<DiskPair>& pairs) const {
-  const double inverse = 1 / cell;
-  for (std::size_t e = begin; e < end; ++e) {
-    const Entry& one = entries_[e];
-    const Box& a = boxes_[static_cast<std::size_t>(one.disk)];
-    for (std::size_t f = e + 1; f < end; ++f) {
-      const Entry& other = entries_[f];
-      if (other.cell_x != one.cell_x || other.cell_y != one.cell_y) continue;
-      const Box& b = boxes_[static_cast<std::size_t>(other.disk)];
-      const double x_low = std::max(a.x_min, b.x_min), y_low = std::max(a.y_min, b.y_min);
-      if (x_low > std::min(a.x_max, b.x_max) || y_low > std::min(a.y_max, b.y_max)) continue;
-      // Boxes that share several cells are paired in the lowest one only.
-      if (cell_of(x_low, inverse) != one.cell_x || cell_of(y_low, inverse) != one.cell_y) continue;
-      const SweptDisk& p = disks[static_cast<std::size_t>(one.disk)];
-      const SweptDisk& q = disks[static_cast<std::size_t>(other.disk)];
-      if (comes_near(p, q, horizon))
-        pairs.push_back({std::min(p.index, q.index), std::max(p.index, q.index)});
-    }
-  }
-}
-
-void PairSearch::find(std::span<const SweptDisk> disks, double horizon, double cell,
+void PairSearch::find(std::span<const SearchDisk> disks, double horizon,
                       std::vector<DiskPair>& pairs) {
   pairs.clear();
-  sweep_boxes(disks, horizon);
-  hash_boxes(cell);
-  const std::size_t bucket_count = bucket_start_.size() - 1;
-  for (std::size_t b = 0; b < bucket_count; ++b) {
-    const std::size_t begin = bucket_start_[b + 1];
-    const std::size_t end = b + 2 <= bucket_count ? bucket_start_[b + 2] : entries_.size();
-    if (end - begin > 1) pair_bucket(disks, begin, end, horizon, cell, pairs);
+  near_count_ = 0;
+  if (disks.empty()) return;
+  choose_cells(disks);
+  sort_into_cells(disks);
+  for (std::size_t k = 0; k < sorted_.size(); ++k) sorted_[k].wide ? look_far(k) : look_around(k);
+  for (std::size_t p = 0; p < near_count_; ++p) {
+    const Path& a = path_[static_cast<std::size_t>(near_[p].first)];
+    const Path& b = path_[static_cast<std::size_t>(near_[p].second)];
+    if (comes_near(a, b, horizon / 2))
+      pairs.push_back({std::min(a.index, b.index), std::max(a.index, b.index)});
   }
 }
 

@@ -1,7 +1,9 @@
-// Which disks come within reach of each other in the near future. Each disk sweeps a box over the
-// horizon; boxes are hashed into cells; pairs whose boxes meet are kept if straight relative motion
-// brings them within the sum of their reaches (radius + pad). A fast cloud of flying disks
-// therefore costs no more than a packed bed: only the relative motion counts.
+// Which disks come closer than their reaches in the near future, if they keep their velocities.
+// Disks are sorted into square cells by where they will be half-way. Most have about the same span
+// and look into their own cell and half of the eight around it; the few that need to look further
+// (large, or fast against their neighbours) search all cells within their span. The cell grid is a
+// torus, so it costs no memory for the empty space between flying disks; what falls on the same
+// cell from another turn of the torus is told apart by its distance.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +12,11 @@
 
 namespace granary::dda {
 
-struct SweptDisk {
-  double x = 0, y = 0;
-  double vx = 0, vy = 0;  // in the frame in which the bed is slow
-  double reach = 0;       // radius + pad [m]
+struct SearchDisk {
+  double x = 0, y = 0;  // half-way through the horizon
+  double vx = 0, vy = 0;
+  double reach = 0;  // pairs closer than the sum of theirs are wanted [m]
+  double sweep = 0;  // half of what it may move against a neighbour by either end [m]
   std::int32_t index = 0;
 };
 
@@ -24,25 +27,36 @@ struct DiskPair {
 
 class PairSearch {
  public:
-  // Pairs in an order that depends on nothing but the input. Precondition: cell > 0.
-  void find(std::span<const SweptDisk> disks, double horizon, double cell,
-            std::vector<DiskPair>& pairs);
+  // Pairs that come closer than the sum of their reaches, each once, in an order that depends on
+  // nothing but the input: along rows of cells, bottom up.
+  void find(std::span<const SearchDisk> disks, double horizon, std::vector<DiskPair>& pairs);
 
  private:
-  struct Box {
-    double x_min, y_min, x_max, y_max;
+  struct Sorted {
+    double x, y, span;  // span = reach + sweep
+    bool wide;
   };
-  struct Entry {
-    std::int32_t cell_x, cell_y, disk;
+  struct Path {
+    double x, y, vx, vy, reach;
+    std::int32_t index;
   };
-  void sweep_boxes(std::span<const SweptDisk> disks, double horizon);
-  void hash_boxes(double cell);
-  void pair_bucket(std::span<const SweptDisk> disks, std::size_t begin, std::size_t end,
-                   double horizon, double cell, std::vector<DiskPair>& pairs) const;
+  static bool comes_near(const Path& a, const Path& b, double half_horizon);
+  void choose_cells(std::span<const SearchDisk> disks);
+  void sort_into_cells(std::span<const SearchDisk> disks);
+  void look_around(std::size_t one);
+  void look_far(std::size_t one);
+  void look_into(std::size_t one, std::size_t begin, std::size_t end);
+  std::uint32_t column_of(double x) const;
+  std::uint32_t row_of(double y) const;
 
-  std::vector<Box> boxes_;
-  std::vector<Entry> unsorted_, entries_;
-  std::vector<std::uint32_t> hash_, bucket_start_;
+  double base_span_ = 0, inverse_cell_ = 0;
+  std::uint32_t columns_ = 1;  // of the torus, as many rows; a power of two
+  std::vector<double> spans_;
+  std::vector<std::uint32_t> cell_of_, start_, sorted_cell_;
+  std::vector<Sorted> sorted_;
+  std::vector<Path> path_;      // in the same order
+  std::vector<DiskPair> near_;  // places in sorted_
+  std::size_t near_count_ = 0;
 };
 
 }  // namespace granary::dda

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/dda/narrow_phase.h"
+
 namespace granary::dda {
 namespace {
 
@@ -17,10 +19,11 @@ double worst_overlap(const System& system, const ActiveContacts& contacts) {
     const double radius = system.disks.pose[static_cast<std::size_t>(disk)].radius;
     return radius > 0 ? radius : 1e6;  // the resting record stands for walls
   };
+  const double span = pair_terms(system).small_step;  // impulses belong to it
   double worst = 0;
   for (std::size_t k = 0; k < contacts.size; ++k) {
     if (contacts.slot[k] < 0 || contacts.impulse_n[k] <= 0 || contacts.gap_start[k] >= 0) continue;
-    const double overlap = contacts.impulse_n[k] / (system.time_step * system.contact.stiffness);
+    const double overlap = contacts.impulse_n[k] / (span * system.contact.stiffness);
     const double radius = std::min(radius_of(contacts.first[k]), radius_of(contacts.second[k]));
     worst = std::max(worst, overlap / radius);
   }

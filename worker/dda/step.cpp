@@ -7,6 +7,7 @@
 #include "worker/dda/narrow_phase.h"
 #include "worker/dda/open_close.h"
 #include "worker/dda/penalty_growth.h"
+#include "worker/dda/small_steps.h"
 #include "worker/dda/step_energy.h"
 
 namespace granary::dda {
@@ -30,10 +31,10 @@ class PhaseClock {
 };
 
 void refresh_lists(System& system) {
-  if (!system.lists.stale()) return;
-  system.lists.rebuild(system.disks, system.touched, system.walls,
-                       {system.bucket_velocity(), system.bucket_pose(system.time), system.gravity,
-                        system.time_step});
+  system.lists.refresh(
+      system.disks, system.walls,
+      {system.bucket_pose(system.time), system.bucket_pose(system.time + system.time_step),
+       system.time_step, system.solver.margin_ratio});
 }
 
 void solve_contacts(System& system) {
@@ -45,9 +46,30 @@ void solve_contacts(System& system) {
 
 void finish_step(System& system) {
   system.time += system.time_step;
-  system.lists.note_step(system.disks, system.time_step);
   ++system.counters.steps;
   system.counters.disk_steps += system.disks.count();
+}
+
+void one_solve(System& system, PhaseClock& clock) {
+  add_loads(system);
+  solve_contacts(system);
+  keep_forces(system);
+  keep_contact_accelerations(system);
+  clock.lap(StepPhase::sweeps);
+  book_contacts(system);
+  clock.lap(StepPhase::ledger);
+  integrate(system);
+  clock.lap(StepPhase::integration);
+}
+
+void small_steps(System& system, PhaseClock& clock) {
+  solve_small_steps(system);
+  clock.lap(StepPhase::sweeps);
+  close_small_steps(system);
+  clock.lap(StepPhase::ledger);
+  keep_forces(system);
+  integrate_small_steps(system);
+  clock.lap(StepPhase::integration);
 }
 
 }  // namespace
@@ -59,18 +81,12 @@ void step(System& system) {
   begin_integration(system);
   select_contacts(system);
   clock.lap(StepPhase::contacts);
-  add_loads(system);
-  solve_contacts(system);
-  keep_forces(system);
-  keep_contact_accelerations(system);
-  clock.lap(StepPhase::sweeps);
-  book_contacts(system);
-  clock.lap(StepPhase::ledger);
-  integrate(system);
+  if (takes_small_steps(system))
+    small_steps(system, clock);
+  else
+    one_solve(system, clock);
   grow_penalty(system);
-  clock.lap(StepPhase::integration);
   finish_step(system);
-  clock.lap(StepPhase::lists);
 }
 
 }  // namespace granary::dda

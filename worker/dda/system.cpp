@@ -16,7 +16,16 @@ double mean_radius(const Disks& disks) {
   return disks.count() > 0 ? sum / static_cast<double>(disks.count()) : 0;
 }
 
+void note_masses(System& system) {
+  system.mass.resize(system.disks.count());
+  double sum = 0;
+  for (std::size_t k = 0; k < system.mass.size(); ++k)
+    sum += system.mass[k] = 1 / system.disks.motion[k].inverse_mass;
+  system.mean_mass = system.mass.empty() ? 0 : sum / static_cast<double>(system.mass.size());
+}
+
 void reset_contacts(System& system) {
+  note_masses(system);
   system.lists = {};
   system.lists.set_skin(system.solver.skin_ratio * mean_radius(system.disks));
   system.contact_acceleration.clear();

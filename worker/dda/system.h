@@ -10,6 +10,7 @@
 #include "worker/dda/belt_drive.h"
 #include "worker/dda/contact_list.h"
 #include "worker/dda/disks.h"
+#include "worker/dda/kernels.h"
 #include "worker/dda/neighbour_lists.h"
 #include "worker/dda/walls.h"
 
@@ -36,11 +37,14 @@ struct SolverSettings {
   SolverMethod method = SolverMethod::impulse;
   Integrator integrator = Integrator::backward_euler;
   LinearSolver linear = LinearSolver::direct;
-  double tolerance = 1e-2;  // |change of impulses| / |impulses| that ends the sweeps
+  double tolerance = 1e-2;         // |change of impulses| / |impulses| that ends the sweeps
   std::uint32_t max_sweeps = 500;  // or open-close iterations
-  double relaxation = 1.3;     // typical 1..1.5; 2 diverges
-  double margin_ratio = 0.15;  // speculative contacts: gap < margin_ratio (r_i + r_k)
-  double skin_ratio = 0.8;     // neighbour lists: skin / mean radius
+  double relaxation = 1.3;         // typical 1..1.5; 2 diverges
+  double margin_ratio = 0.1;       // speculative contacts: gap < margin_ratio (r_i + r_k)
+  double skin_ratio = 1.2;         // neighbour lists: skin / mean radius
+  // Steps are cut into small ones with K h^2 / m at most this; 0 = one solve per step.
+  // Only the impulse solver with backward Euler knows them.
+  double small_step_kappa = 1;
 };
 
 // The paper's sequential increase of the penalty (section 4.1).
@@ -68,7 +72,7 @@ struct StepCounters {
 // What the last step saw.
 struct StepReport {
   std::size_t contacts = 0;
-  std::uint32_t sweeps = 0;   // or open-close iterations
+  std::uint32_t sweeps = 0;  // or open-close iterations
   bool converged = true;
   double worst_overlap = 0;   // m, at the start of the step
   double kinetic_energy = 0;  // J, of disks that have not landed
@@ -101,6 +105,18 @@ struct System {
   AlignedVector<DiskMotion> motion_before;
   std::vector<DiskAcceleration> contact_acceleration;  // newmark_trapezoid; empty = not known yet
 
+  // Scratch of a step.
+  AlignedVector<DiskPose> ahead;  // where the velocities lead, radius with the speculative margin
+  AlignedVector<DiskShift> shift;
+  std::vector<std::int32_t> picked;
+  std::vector<std::uint32_t> touched_index;
+  SmallStepSums pair_sums, wall_sums;
+  double kinetic_dissipation = 0;  // J, of the small steps: sum m dv^2 / 2
+
+  // Derived from the disks by note_masses().
+  std::vector<double> mass;  // kg
+  double mean_mass = 0;
+
   core::EnergyLedger ledger;
   bool ledger_is_new = true;  // overlaps at its start are only seen in its first step
   StepCounters counters;
@@ -118,5 +134,6 @@ struct System {
 // After the disks were replaced: forgets every contact, sizes the lists, restarts the ledger.
 void reset_contacts(System& system);
 double mean_radius(const Disks& disks);
+void note_masses(System& system);
 
 }  // namespace granary::dda

@@ -21,7 +21,7 @@ struct DischargePlan {
   double filling_stiffness = 1e7;  // N/m, whole axial depth
   dda::SolverSettings solver;      // during the rotation; fillings use IMPULSE, backward Euler
   dda::PenaltyGrowth penalty;      // during the rotation
-  double filling_tolerance = 1e-3;
+  double filling_tolerance = 0.3;
   double gravity = 9.81;
 
   std::optional<dda::BucketGeometry> bucket;

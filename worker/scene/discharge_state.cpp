@@ -149,12 +149,17 @@ void store_system(const dda::System& system, State& state) {
   put_disks(system.disks, state);
   put_list("pairs", system.lists.pairs, state);
   put_list("walls", system.lists.walls, state);
-  const dda::NeighbourLists::Reference reference = system.lists.reference();
-  put_records<dda::PredictedPath>(state, "list_path", "m, m, m/s, m/s, m/s2, m/s2", reference.path);
-  state.put("list_counters", "1",
-            std::vector<std::uint64_t>{reference.age_steps, reference.horizon_steps,
-                                       reference.valid ? 1u : 0u});
-  state.put("list_numbers", "s, m", std::vector<double>{reference.age, system.lists.skin()});
+  const dda::NeighbourLists::Reference& reference = system.lists.reference();
+  state.put("list_searched", "1", reference.searched);
+  put_records<dda::Vec2>(state, "list_position", "m, m", reference.position);
+  put_records<dda::Vec2>(state, "list_velocity", "m/s, m/s", reference.velocity);
+  put_records<dda::Vec2>(state, "list_wall_position", "m, m", reference.wall_position);
+  put_records<dda::Vec2>(state, "list_wall_position_fixed", "m, m", reference.wall_position_fixed);
+  state.put("list_clearance", "m", reference.clearance);
+  state.put("list_clearance_fixed", "m", reference.clearance_fixed);
+  state.put("list_numbers", "s, s, m, m, m",
+            std::vector<double>{reference.age, reference.horizon, reference.cell, reference.reach,
+                                system.lists.skin()});
   state.put("touched", "1", system.touched);
   state.put("system_numbers", "N/m, s, s, rad/s, J, m",
             std::vector<double>{system.contact.stiffness, system.time_step, system.time,
@@ -177,20 +182,25 @@ void load_system(const State& state, dda::System& system) {
   get_list(state, "pairs", system.lists.pairs);
   get_list(state, "walls", system.lists.walls);
   dda::NeighbourLists::Reference reference;
-  get_records<dda::PredictedPath>(state, "list_path", reference.path);
-  const auto list_counters = state.get<std::uint64_t>("list_counters");
+  reference.searched = state.get<std::uint32_t>("list_searched");
+  get_records<dda::Vec2>(state, "list_position", reference.position);
+  get_records<dda::Vec2>(state, "list_velocity", reference.velocity);
+  get_records<dda::Vec2>(state, "list_wall_position", reference.wall_position);
+  get_records<dda::Vec2>(state, "list_wall_position_fixed", reference.wall_position_fixed);
+  reference.clearance = state.get<double>("list_clearance");
+  reference.clearance_fixed = state.get<double>("list_clearance_fixed");
   const auto list_numbers = state.get<double>("list_numbers");
   const auto numbers = state.get<double>("system_numbers");
   const auto counters = state.get<std::uint64_t>("system_counters");
-  if (list_counters.size() != 3 || list_numbers.size() != 2 || numbers.size() != 6 ||
-      counters.size() != 12)
+  if (list_numbers.size() != 5 || numbers.size() != 6 || counters.size() != 12)
     throw std::runtime_error("state: it comes from another version");
-  reference.age_steps = list_counters[0];
-  reference.horizon_steps = list_counters[1];
-  reference.valid = list_counters[2] != 0;
   reference.age = list_numbers[0];
+  reference.horizon = list_numbers[1];
+  reference.cell = list_numbers[2];
+  reference.reach = list_numbers[3];
   system.lists.restore(reference);
-  system.lists.set_skin(list_numbers[1]);
+  system.lists.set_skin(list_numbers[4]);
+  dda::note_masses(system);
   system.touched = state.get<std::uint8_t>("touched");
   system.contact.stiffness = numbers[0];
   system.time_step = numbers[1];

@@ -30,6 +30,7 @@ Amplification measure(SolverMethod method, Integrator integrator, double omega_d
   system.contact.stiffness = kStiffness;
   system.solver.method = method;
   system.solver.integrator = integrator;
+  system.solver.small_step_kappa = 0;  // the integrator itself, one solve per step
   system.solver.tolerance = 1e-14;
   system.solver.max_sweeps = 2000;
   add_plane(system, 0, 1);

@@ -15,7 +15,7 @@ void expect_apart(const Disks& disks, double tolerance) {
     }
 }
 
-TEST(Filling, dropped_array_starts_within_the_mouth_and_without_overlap) {
+TEST(Filling, dropped_array_starts_clear_of_the_walls_and_without_overlap) {
   const BucketGeometry bucket = make_bucket(straight_wall({-0.15, 0.15}), {.height = 0.15}, 0.5);
   const Disks disks = drop_array({700, 0.0035, 0.0045, 730, 1}, bucket);
   ASSERT_EQ(disks.count(), 700u);
@@ -28,6 +28,20 @@ TEST(Filling, dropped_array_starts_within_the_mouth_and_without_overlap) {
     EXPECT_GE(2 * p.radius, 0.0035);
     EXPECT_LE(2 * p.radius, 0.0045);
   }
+}
+
+TEST(Filling, dropped_array_rests_on_the_bucket_s_own_shape) {
+  const BucketGeometry bucket = make_bucket(straight_wall({-0.4, 0.4}), {.height = 0.4}, 0.5);
+  const Disks disks = drop_array({4000, 0.003, 0.003, 2200, 1}, bucket);
+  double lowest = 1, highest = 0;
+  for (std::size_t k = 0; k < disks.count(); ++k) {
+    lowest = std::min(lowest, disks.pose[k].y);
+    highest = std::max(highest, disks.pose[k].y);
+  }
+  EXPECT_LT(lowest, 0.01);
+  // A level lattice of pitch 1.05 d in the 45 deg wedge: height sqrt(2 N) pitch, and the strips of
+  // half a pitch that the slanting and the straight wall cost.
+  EXPECT_NEAR(highest, std::sqrt(2 * 4000.0) * 1.05 * 0.003, 4 * 0.003);
 }
 
 TEST(Filling, seeds_differ_and_repeat) {

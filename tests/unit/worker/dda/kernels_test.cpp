@@ -37,32 +37,99 @@ struct Heap {
 
 struct Outcome {
   AlignedVector<DiskMotion> motion;
-  AlignedVector<double> impulses;
+  AlignedVector<DiskShift> shift;
+  AlignedVector<double> impulses, gaps;
   SweepSums sums;
+  SmallStepSums small_sums;
+  ContactSums contact_sums;
+  double dissipation = 0;
+};
+
+ContactTerms terms_of_heap() {
+  const double h = 5e-5, stiffness = 1e7, damping = 300;
+  return {.time_step = 2e-4,
+          .small_step = h,
+          .stiffness = stiffness,
+          .damping_n = damping,
+          .damping_t = damping / 2,
+          .compliance = 1 / (stiffness * h * h),
+          .compliance_n = 1 / (stiffness * h * h + damping * h),
+          .compliance_t = 1 / (stiffness * h * h + damping * h / 2),
+          .friction = 0.7,
+          .spin_factor = 2,
+          .relaxation = 1.2,
+          .normal_time = 1e-4,
+          .restitution = 0.5,
+          .restitution_threshold = 0.02};
+}
+
+struct SelectedHeap : Heap {
+  ActiveContacts active;
+  ContactTerms terms = terms_of_heap();
+
+  explicit SelectedHeap(const Kernels& variant) {
+    active.reserve(candidates.size() + kGroupSize * candidates.colour_start.size());
+    std::vector<std::uint8_t> touched(disks.count() + 1);
+    std::vector<std::int32_t> picked(candidates.size() + kGroupSize);
+    AlignedVector<DiskPose> ahead = disks.pose;
+    for (std::size_t k = 0; k < disks.count(); ++k) {
+      ahead[k].x += terms.time_step * disks.motion[k].vx;
+      ahead[k].y += terms.time_step * disks.motion[k].vy;
+      ahead[k].radius *= 1.1;
+    }
+    const CandidateArrays arrays{
+        candidates.first.data(),        candidates.second.data(),
+        candidates.normal_force.data(), candidates.tangential_force.data(),
+        candidates.colour_start.data(), candidates.colour_start.size() - 1};
+    std::size_t count = 0;
+    active.size = variant.select_pairs(arrays, disks.pose.data(), disks.motion.data(), ahead.data(),
+                                       disks.rest_index(), terms, arrays_of(active), touched.data(),
+                                       picked.data(), &count);
+    EXPECT_GT(count, 300u);
+  }
 };
 
 Outcome solve(const Kernels& variant) {
-  Heap heap;
-  const ContactTerms terms{2e-4, 1 / (1e7 * 4e-8), 0.7, 2, 1.3, 0.15, 0.5, 0.02};
-  ActiveContacts active;
-  active.reserve(heap.candidates.size());
-  std::vector<std::uint8_t> touched(heap.disks.count() + 1);
-  const CandidateArrays candidates{
-      heap.candidates.first.data(),        heap.candidates.second.data(),
-      heap.candidates.normal_force.data(), heap.candidates.tangential_force.data(),
-      heap.candidates.colour_start.data(), heap.candidates.colour_start.size() - 1};
-  const ContactArrays arrays = arrays_of(active);
-  std::size_t count = 0;
-  active.size =
-      variant.select_pairs(candidates, heap.disks.pose.data(), heap.disks.motion.data(),
-                           heap.disks.rest_index(), terms, arrays, touched.data(), &count);
-  EXPECT_GT(count, 300u);
+  SelectedHeap heap(variant);
+  const ContactArrays arrays = arrays_of(heap.active);
+  DiskMotion* motion = heap.disks.motion.data();
   Outcome outcome;
-  variant.apply_impulses(arrays, active.size, terms.spin_factor, heap.disks.motion.data());
+  variant.apply_impulses(arrays, heap.active.size, heap.terms.spin_factor, motion);
   for (int k = 0; k < 5; ++k)
-    variant.sweep(arrays, active.size, terms, heap.disks.motion.data(), &outcome.sums);
+    variant.sweep(arrays, heap.active.size, heap.terms, motion, &outcome.sums);
   outcome.motion = heap.disks.motion;
-  outcome.impulses = active.impulse_n;
+  outcome.impulses = heap.active.impulse_n;
+  return outcome;
+}
+
+Outcome solve_by_small_steps(const Kernels& variant) {
+  SelectedHeap heap(variant);
+  const ContactArrays arrays = arrays_of(heap.active);
+  const std::size_t count = heap.active.size;
+  AlignedVector<DiskMotion> before = heap.disks.motion;
+  std::vector<double> mass;
+  std::vector<std::uint32_t> index;
+  for (std::size_t k = 0; k < heap.disks.count(); ++k) {
+    mass.push_back(1 / heap.disks.motion[k].inverse_mass);
+    index.push_back(static_cast<std::uint32_t>(k));
+  }
+  Outcome outcome;
+  outcome.shift.resize(heap.disks.count() + 1);
+  variant.apply_impulses(arrays, count, heap.terms.spin_factor, heap.disks.motion.data());
+  for (int s = 0; s < 4; ++s) {
+    SmallStep small{s * heap.terms.small_step, true, s > 0};
+    for (int k = 0; k < 2; ++k, small.first_sweep = false)
+      variant.small_sweep_pairs(arrays, count, heap.terms, small, outcome.shift.data(),
+                                heap.disks.motion.data(), before.data(), &outcome.small_sums);
+    outcome.dissipation +=
+        variant.advance_disks(index.data(), index.size(), heap.terms.small_step, mass.data(),
+                              heap.disks.motion.data(), before.data(), outcome.shift.data());
+  }
+  variant.close_pairs(arrays, count, heap.terms, {heap.terms.time_step, true, true},
+                      outcome.shift.data(), &outcome.small_sums, &outcome.contact_sums);
+  outcome.motion = before;
+  outcome.impulses = heap.active.impulse_n;
+  outcome.gaps = heap.active.gap_now;
   return outcome;
 }
 
@@ -84,19 +151,38 @@ TEST(Kernels, every_instruction_set_gives_the_same_bits) {
   }
 }
 
+TEST(Kernels, small_steps_have_the_same_bits_on_every_instruction_set) {
+  const Kernels* list[3] = {};
+  const std::size_t count = available_kernels(list, 3);
+  const Outcome reference = solve_by_small_steps(*list[0]);
+  EXPECT_GT(reference.small_sums.damping, 0);
+  EXPECT_GT(reference.dissipation, 0);
+  for (std::size_t k = 1; k < count; ++k) {
+    const Outcome outcome = solve_by_small_steps(*list[k]);
+    EXPECT_TRUE(same_bits(outcome.motion, reference.motion)) << list[k]->name;
+    EXPECT_TRUE(same_bits(outcome.shift, reference.shift)) << list[k]->name;
+    EXPECT_TRUE(same_bits(outcome.impulses, reference.impulses)) << list[k]->name;
+    EXPECT_EQ(std::memcmp(&outcome.small_sums, &reference.small_sums, sizeof(SmallStepSums)), 0);
+    EXPECT_EQ(std::memcmp(&outcome.contact_sums, &reference.contact_sums, sizeof(ContactSums)), 0);
+    EXPECT_EQ(outcome.dissipation, reference.dissipation) << list[k]->name;
+  }
+}
+
 TEST(Kernels, sweeps_conserve_momentum_and_leave_the_resting_record_alone) {
   Heap heap;
-  double before_x = 0, after_x = 0;
+  double before_x = 0;
   for (std::size_t k = 0; k < heap.disks.count(); ++k)
     before_x += heap.disks.motion[k].vx / heap.disks.motion[k].inverse_mass;
-  const Outcome outcome = solve(kernels());
-  for (std::size_t k = 0; k < heap.disks.count(); ++k)
-    after_x += outcome.motion[k].vx / outcome.motion[k].inverse_mass;
-  EXPECT_NEAR(after_x, before_x, 1e-12);
-  const DiskMotion& rest = outcome.motion.back();
-  EXPECT_EQ(rest.vx, 0);
-  EXPECT_EQ(rest.vy, 0);
-  EXPECT_EQ(rest.surface_speed, 0);
+  for (const Outcome& outcome : {solve(kernels()), solve_by_small_steps(kernels())}) {
+    double after_x = 0;
+    for (std::size_t k = 0; k < heap.disks.count(); ++k)
+      after_x += outcome.motion[k].vx / outcome.motion[k].inverse_mass;
+    EXPECT_NEAR(after_x, before_x, 1e-12);
+    const DiskMotion& rest = outcome.motion.back();
+    EXPECT_EQ(rest.vx, 0);
+    EXPECT_EQ(rest.vy, 0);
+    EXPECT_EQ(rest.surface_speed, 0);
+  }
 }
 
 }  // namespace
