@@ -1,12 +1,13 @@
 // Linked-cell grid in space: points sorted by cell (counting sort), x slowest, so that neighbours
-// along the stream stay close in memory. Cells are at least `cell_size` wide; a pair closer than that
-// lies in the same or in adjacent cells. Points outside the box fall into its border cells, which
-// keeps that property.
+// along the stream stay close in memory. Cells are at least `cell_size` wide; a pair closer than
+// that lies in the same or in adjacent cells. Points outside the box fall into its border cells,
+// which keeps that property.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "worker/core/vec3.h"
@@ -31,6 +32,12 @@ class CellGrid {
                                                           starts_[cell + 1] - starts_[cell]);
   }
   std::span<const std::uint32_t> order() const { return order_; }
+  // Places in order() taken by the points of cells [first_cell, last_cell]: begin and end.
+  std::pair<std::uint32_t, std::uint32_t> range_of(std::size_t first_cell,
+                                                   std::size_t last_cell) const {
+    return {starts_[first_cell], starts_[last_cell + 1]};
+  }
+  const Vec3& origin() const { return origin_; }  // lowest corner of the box
 
  private:
   void fit_box(std::span<const Vec3> points, double cell_size);

@@ -70,7 +70,9 @@ Vec3 FrameMap::spin_in(const Vec3& chute_spin) const {
   return to_engine_ * (chute_spin + wall_omega_);
 }
 
-Vec3 FrameMap::direction_in(const Vec3& chute) const { return to_engine_ * chute; }
+Vec3 FrameMap::direction_in(const Vec3& chute) const {
+  return to_engine_ * chute;
+}
 
 Vec3 FrameMap::position_out(const Vec3& engine) const {
   return axis_point_ + to_chute_ * (engine - axis_point_);
@@ -80,7 +82,9 @@ Vec3 FrameMap::velocity_out(const Vec3& velocity, const Vec3& engine_position) c
   return to_chute_ * (velocity - cross(wall_omega_, engine_position - axis_point_));
 }
 
-Vec3 FrameMap::spin_out(const Vec3& spin) const { return to_chute_ * (spin - wall_omega_); }
+Vec3 FrameMap::spin_out(const Vec3& spin) const {
+  return to_chute_ * (spin - wall_omega_);
+}
 
 Vec3 FrameMap::wall_velocity(const Vec3& engine_position) const {
   return cross(wall_omega_, engine_position - axis_point_);

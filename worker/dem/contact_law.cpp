@@ -79,9 +79,9 @@ ContactForce evaluate_contact(const ContactGeometry& contact, const ContactCoeff
   const double kept = size > limit ? limit / size : 1;
   force.tangential = trial * kept;
   if (effects.tangential_history) {
-    force.spring = kept < 1 ? (force.tangential + sliding * law.tangential_damping) *
-                                  (-1 / stiffness)
-                            : trial_spring;
+    force.spring = kept < 1
+                       ? (force.tangential + sliding * law.tangential_damping) * (-1 / stiffness)
+                       : trial_spring;
     force.slip = trial_spring - force.spring;
   }
 

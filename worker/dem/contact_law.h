@@ -1,6 +1,6 @@
-// The contact law of the chute paper (Eq. 3-12): linear spring and dashpot along the normal and in the
-// tangent plane, Coulomb limit that shortens the tangential spring, rolling resistance. Users give
-// restitution coefficients; stiffness and damping follow from them (PHYSICS section A1).
+// The contact law of the chute paper (Eq. 3-12): linear spring and dashpot along the normal and in
+// the tangent plane, Coulomb limit that shortens the tangential spring, rolling resistance. Users
+// give restitution coefficients; stiffness and damping follow from them (PHYSICS section A1).
 // Signs: a contact is seen from grain a; n points from a to its partner b; overlap > 0 in contact;
 // relative velocity = velocity of a minus velocity of b at the contact point.
 #pragma once
@@ -11,12 +11,12 @@ namespace granary::dem {
 
 // Literature inputs of one kind of contact (grain-grain or grain-wall).
 struct ContactParameters {
-  double normal_stiffness = 1000;      // N/m
-  double normal_restitution = 0.97;    // e_n in [0, 1]
+  double normal_stiffness = 1000;        // N/m
+  double normal_restitution = 0.97;      // e_n in [0, 1]
   double tangential_restitution = 0.33;  // e_t in [0, 1]
-  double friction = 0.12;              // mu
-  double rolling_friction = 0;         // mu_r
-  double tangential_stiffness = 0;     // N/m; 0: from the restitution coefficients
+  double friction = 0.12;                // mu
+  double rolling_friction = 0;           // mu_r
+  double tangential_stiffness = 0;       // N/m; 0: from the restitution coefficients
 };
 
 struct ContactEffects {
@@ -40,8 +40,8 @@ struct ContactCoefficients {
 inline constexpr double kLeastRestitution = 1e-3;
 
 // `reduced_mass` m_a m_b / (m_a + m_b), a wall is infinitely heavy. With `spin` the tangential
-// inertia is 2/7 of the reduced mass (solid spheres), without it the whole of it (PHYSICS section I).
-// rolling_arm and reduced_inertia are left to the caller, who knows the radii.
+// inertia is 2/7 of the reduced mass (solid spheres), without it the whole of it (PHYSICS section
+// I). rolling_arm and reduced_inertia are left to the caller, who knows the radii.
 ContactCoefficients contact_coefficients(const ContactParameters& parameters, double reduced_mass,
                                          bool spin);
 

@@ -32,8 +32,4 @@ struct Leaver {
   double mass = 0;
 };
 
-// Grains beyond the outlet are taken out every so many steps, whatever the chunks of the run; until
-// then the floor still carries them.
-inline constexpr std::uint64_t kOutletInterval = 24;
-
 }  // namespace granary::dem

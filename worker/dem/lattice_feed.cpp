@@ -80,8 +80,9 @@ std::vector<Grain> LatticeFeed::layer(std::int64_t layer, double time) const {
     Grain grain;
     grain.grain_class = draw_class(counter);
     const GrainClass& grain_class = setup_.classes[grain.grain_class];
-    grain.position = core::Vec3{x, sites[k].y, sites[k].z} +
-                     random_vector(kJitterStream, counter) * (setup_.jitter * 2 * grain_class.radius);
+    grain.position =
+        core::Vec3{x, sites[k].y, sites[k].z} +
+        random_vector(kJitterStream, counter) * (setup_.jitter * 2 * grain_class.radius);
     grain.velocity = {speed_, 0, 0};
     grain.spin = setup_.spin + random_vector(kSpinStream, counter) *
                                    (setup_.spin_noise * speed_ / grain_class.radius);

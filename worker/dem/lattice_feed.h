@@ -12,9 +12,9 @@
 namespace granary::dem {
 
 struct LatticeFeedSetup {
-  double width = 0.08;          // m
+  double width = 0.08;           // m
   double sluice_height = 0.045;  // m
-  double mass_flow = 1.6;       // kg/s
+  double mass_flow = 1.6;        // kg/s
   std::vector<GrainClass> classes;
   std::vector<double> mass_fractions;  // one per class, sum 1
   core::Vec3 spin;                     // of entering grains, relative to the chute [rad/s]
@@ -32,8 +32,8 @@ class LatticeFeed {
   std::size_t layer_size(std::int64_t layer) const {
     return layer % 2 == 0 ? corner_.size() : centred_.size();
   }
-  double lattice_constant() const { return constant_; }  // m
-  double speed() const { return speed_; }                // m/s
+  double lattice_constant() const { return constant_; }               // m
+  double speed() const { return speed_; }                             // m/s
   double layer_interval() const { return constant_ / (2 * speed_); }  // s
 
   // Layer k = 0, 1, ... reaches x = 0 at k layer_interval().

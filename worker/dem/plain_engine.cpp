@@ -16,8 +16,12 @@ using core::Vec3;
 
 namespace {
 
-constexpr double kSkinInDiameters = 0.3;       // candidate pairs are closer than this
-constexpr double kLargestSoundOverlap = 0.5;  // overlap / radius; beyond, the linear law means nothing
+// Grains beyond the outlet are taken out every so many steps, whatever the chunks of the run; until
+// then the floor still carries them.
+constexpr std::uint64_t kOutletInterval = 24;
+constexpr double kSkinInDiameters = 0.3;  // candidate pairs are closer than this
+constexpr double kLargestSoundOverlap =
+    0.5;  // overlap / radius; beyond, the linear law means nothing
 
 using PairKey = std::pair<std::int64_t, std::int64_t>;
 struct PairKeyHash {
@@ -88,7 +92,9 @@ void PlainEngine::set_gravity(const Vec3& gravity) {
   }
 }
 
-std::vector<Leaver> PlainEngine::take_leavers() { return std::exchange(leavers_, {}); }
+std::vector<Leaver> PlainEngine::take_leavers() {
+  return std::exchange(leavers_, {});
+}
 
 // Within the step that crosses the outlet the grain moves in a straight line.
 void PlainEngine::log_if_leaving(const Body& body) {
@@ -124,11 +130,21 @@ void PlainEngine::let_leavers_go() {
   });
 }
 
+EffectCounts PlainEngine::effect_counts() const {
+  const bool rolls =
+      setup_.effects.rolling_friction && setup_.effects.spin &&
+      (setup_.grain_grain.rolling_friction > 0 || setup_.grain_wall.rolling_friction > 0);
+  return {.tangential_history = setup_.effects.tangential_history ? contact_evaluations_ : 0,
+          .rolling_friction = rolls ? contact_evaluations_ : 0,
+          .spin = setup_.effects.spin ? particle_steps_ : 0,
+          .rotating_frame = setup_.motion.rotates() ? particle_steps_ : 0};
+}
+
 GrainTable PlainEngine::grains() const {
   GrainTable table;
   for (const Body& body : bodies_) {
-    const Vec3 velocity = body.carried ? body.velocity_half
-                                       : terms_.half_step_on(body.velocity_half, body.position);
+    const Vec3 velocity =
+        body.carried ? body.velocity_half : terms_.half_step_on(body.velocity_half, body.position);
     table.id.push_back(body.id);
     table.position.push_back(map_.position_out(body.position));
     table.velocity.push_back(map_.velocity_out(velocity, body.position));
@@ -152,7 +168,7 @@ void PlainEngine::step_once() {
   place_walls();
   sum_forces();
   integrate();
-  if (step_ % setup_.ledger_interval == 0) book_step();
+  book_step();
   ++step_;
   map_ = FrameMap(setup_.motion, time());
   if (step_ % kOutletInterval == 0) {
@@ -180,9 +196,9 @@ void PlainEngine::meet(std::size_t candidate_index) {
   Contact contact;
   contact.candidate = candidate_index;
   if (!find_contact(candidate, contact.geometry)) return part(candidate, contact.geometry);
-  contact.force =
-      evaluate_contact(contact.geometry, law_of(candidate), setup_.effects,
-                       spring_turn_ * candidate.spring, spin_response_of(candidate), setup_.time_step);
+  contact.force = evaluate_contact(contact.geometry, law_of(candidate), setup_.effects,
+                                   spring_turn_ * candidate.spring, spin_response_of(candidate),
+                                   setup_.time_step);
   if (!candidate.touching) book_first_overlap(contact);
   candidate.spring = contact.force.spring;
   candidate.touching = true;
@@ -212,9 +228,9 @@ bool PlainEngine::is_prescribed(const Candidate& candidate) const {
          (candidate.is_wall() || bodies_[candidate.second].carried);
 }
 
-// The tangential spring of a contact that opens is lost: 1/2 k_t s.(s + v dt), which is its energy at
-// the half step before, less the 1/8 k_t (v dt)^2 that it got for the share of its first step that lay
-// before the contact.
+// The tangential spring of a contact that opens is lost: 1/2 k_t s.(s + v dt), which is its energy
+// at the half step before, less the 1/8 k_t (v dt)^2 that it got for the share of its first step
+// that lay before the contact.
 void PlainEngine::part(Candidate& candidate, const ContactGeometry& geometry) {
   if (!candidate.touching) return;
   const Vec3& n = geometry.normal;
@@ -234,8 +250,8 @@ void PlainEngine::integrate() {
       continue;
     }
     const GrainClass& grain_class = class_of(body);
-    const Vec3 velocity = terms_.kick(
-        body.velocity_half, body.force * (1 / grain_class.mass()) + terms_.acceleration(body.position));
+    const Vec3 velocity = terms_.kick(body.velocity_half, body.force * (1 / grain_class.mass()) +
+                                                              terms_.acceleration(body.position));
     body.velocity_mean = 0.5 * (body.velocity_half + velocity);
     body.velocity_half = velocity;
     if (setup_.effects.spin) {
@@ -279,8 +295,8 @@ void PlainEngine::watch() {
 const ContactCoefficients& PlainEngine::law_of(const Candidate& candidate) const {
   const std::size_t a = bodies_[candidate.first].grain_class;
   if (candidate.is_wall()) return coefficients_.grain_wall[a];
-  return coefficients_.grain_grain[a * setup_.classes.size() +
-                                   bodies_[candidate.second].grain_class];
+  return coefficients_
+      .grain_grain[a * setup_.classes.size() + bodies_[candidate.second].grain_class];
 }
 
 double PlainEngine::spin_response_of(const Candidate& candidate) const {
@@ -292,8 +308,9 @@ double PlainEngine::spin_response_of(const Candidate& candidate) const {
   return response - b.radius / b.inertia();
 }
 
-// Velocities are those of the half step before, as always in the semi-implicit scheme. Walls that turn
-// are seen as from the corotating frame: half a step back, and carried on with them by half a turn.
+// Velocities are those of the half step before, as always in the semi-implicit scheme. Walls that
+// turn are seen as from the corotating frame: half a step back, and carried on with them by half a
+// turn.
 bool PlainEngine::find_contact(const Candidate& candidate, ContactGeometry& geometry) const {
   const Body& a = bodies_[candidate.first];
   geometry.radius_a = class_of(a).radius;
@@ -399,8 +416,8 @@ void PlainEngine::add_neighbours_of(std::size_t a, std::span<const Vec3> points,
 void PlainEngine::add_walls_of(std::size_t a, const Vec3& point,
                                std::vector<Candidate>& list) const {
   for (std::size_t w = 0; w < setup_.walls.size(); ++w) {
-    const double gap = dot(point - setup_.walls[w].point, setup_.walls[w].normal) -
-                       class_of(bodies_[a]).radius;
+    const double gap =
+        dot(point - setup_.walls[w].point, setup_.walls[w].normal) - class_of(bodies_[a]).radius;
     if (gap >= skin_) continue;
     const auto wall = static_cast<std::int32_t>(-1 - static_cast<std::int32_t>(w));
     list.push_back({.first = static_cast<std::int32_t>(a),

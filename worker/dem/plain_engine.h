@@ -1,6 +1,7 @@
-// The DEM step written for reading: one grain after the other, all options tested at run time, double
-// precision, one thread. It is the oracle that the fast engine is compared with. Its result does not
-// depend on when its neighbour list was built: contacts are visited in the order of the grain ids.
+// The DEM step written for reading: one grain after the other, all options tested at run time,
+// double precision, one thread. It is the oracle that the block engine is compared with, and runs
+// what that one cannot: double precision and turning walls. Its result does not depend on when its
+// neighbour list was built: contacts are visited in the order of the grain ids.
 #pragma once
 
 #include <cstdint>
@@ -13,44 +14,37 @@
 #include "worker/core/energy_ledger.h"
 #include "worker/core/simulation.h"
 #include "worker/dem/body_terms.h"
-#include "worker/dem/grains.h"
+#include "worker/dem/engine.h"
 #include "worker/dem/pair_coefficients.h"
-#include "worker/dem/setup.h"
 
 namespace granary::dem {
 
-class PlainEngine {
+class PlainEngine final : public Engine {
  public:
   // Precondition: at least one class, 0 < time_step <= stable_time_step(setup).
   explicit PlainEngine(const EngineSetup& setup);
 
-  // Adds grains at the current time; returns the id of the first, the rest follow in order.
-  std::int64_t insert(std::span<const Grain> grains);
-  // Frees the carried grains with first <= id < end: from now on forces move them.
-  void release(std::int64_t first, std::int64_t end);
-  // Replaces the gravity of the setup from now on (a filling settles under another one).
-  void set_gravity(const core::Vec3& gravity);
+  std::int64_t insert(std::span<const Grain> grains) override;
+  void release(std::int64_t first, std::int64_t end) override;
+  void set_gravity(const core::Vec3& gravity) override;
+  void advance(std::uint64_t steps) override;
 
-  void advance(std::uint64_t steps);
+  std::uint64_t step() const override { return step_; }
+  double time() const override { return static_cast<double>(step_) * setup_.time_step; }
+  std::size_t grain_count() const override { return bodies_.size(); }
+  std::size_t contact_count() const override { return contacts_.size(); }
+  std::uint64_t particle_steps() const override { return particle_steps_; }
+  EffectCounts effect_counts() const override;
+  double largest_overlap_ratio() const override { return largest_overlap_ratio_; }
+  const EngineSetup& setup() const override { return setup_; }
 
-  std::uint64_t step() const { return step_; }
-  double time() const { return static_cast<double>(step_) * setup_.time_step; }
-  std::size_t grain_count() const { return bodies_.size(); }
-  std::size_t contact_count() const { return contacts_.size(); }
-  std::uint64_t particle_steps() const { return particle_steps_; }
-  std::uint64_t contact_evaluations() const { return contact_evaluations_; }
-  double largest_overlap_ratio() const { return largest_overlap_ratio_; }
-  const EngineSetup& setup() const { return setup_; }
+  GrainTable grains() const override;
+  std::vector<Leaver> take_leavers() override;
+  const core::EnergyLedger& ledger() const override { return ledger_; }
+  const std::optional<core::Rejection>& trouble() const override { return trouble_; }
 
-  GrainTable grains() const;
-  std::vector<Leaver> take_leavers();
-  const core::EnergyLedger& ledger() const { return ledger_; }
-  // Set once a sentinel has tripped: overlap, NaN. The state is then of no use.
-  const std::optional<core::Rejection>& trouble() const { return trouble_; }
-
-  core::State snapshot() const;
-  // Throws std::runtime_error when the state does not belong to an engine of this setup.
-  void restore(const core::State& state);
+  core::State snapshot() const override;
+  void restore(const core::State& state) override;
 
  private:
   struct Body {
@@ -145,7 +139,6 @@ class PlainEngine {
   double largest_overlap_ratio_ = 0;
   std::vector<Leaver> leavers_;
   core::EnergyLedger ledger_;
-  std::uint64_t booked_steps_ = 0;  // channels are integrated up to here
   std::optional<core::Rejection> trouble_;
 };
 

@@ -1,6 +1,6 @@
 // Energy channels of the plain engine. Work is booked with the mean velocity over a kick, for which
-// the leapfrog's change of kinetic energy is exact; stored energies are those of the half step, where
-// the velocities live. What is left over is the second-order error of the step.
+// the leapfrog's change of kinetic energy is exact; stored energies are those of the half step,
+// where the velocities live. What is left over is the second-order error of the step.
 #include "worker/dem/plain_engine.h"
 
 namespace granary::dem {
@@ -34,8 +34,8 @@ void PlainEngine::book_transfer(EnergyChannel channel, const Body& body, double 
   book(channel, -sign * (kinetic + potential));
 }
 
-// Velocity of a relative to b (or the wall) at their contact, and of their spins: from the mean over
-// the last kick, or from the half step after it.
+// Velocity of a relative to b (or the wall) at their contact, and of their spins: from the mean
+// over the last kick, or from the half step after it.
 PlainEngine::Relative PlainEngine::relative(const Contact& contact, Moment moment) const {
   const Candidate& candidate = candidates_[contact.candidate];
   const ContactGeometry& geometry = contact.geometry;
@@ -81,19 +81,18 @@ double PlainEngine::elastic_energy(const Contact& contact) const {
 // A grain that is put in with an overlap brings its elastic energy along.
 void PlainEngine::book_first_overlap(const Contact& contact) {
   const Candidate& candidate = candidates_[contact.candidate];
-  const bool fresh = bodies_[candidate.first].fresh ||
-                     (!candidate.is_wall() && bodies_[candidate.second].fresh);
+  const bool fresh =
+      bodies_[candidate.first].fresh || (!candidate.is_wall() && bodies_[candidate.second].fresh);
   if (!fresh) return;
   const ContactGeometry& geometry = contact.geometry;
-  const double overlap = geometry.overlap - 0.5 * setup_.time_step *
-                                                dot(geometry.relative_velocity, geometry.normal);
+  const double overlap =
+      geometry.overlap - 0.5 * setup_.time_step * dot(geometry.relative_velocity, geometry.normal);
   if (overlap <= 0) return;
   book(EnergyChannel::inlet, -0.5 * law_of(candidate).normal_stiffness * overlap * overlap);
 }
 
 void PlainEngine::book_step() {
-  const double span = static_cast<double>(step_ + 1 - booked_steps_) * setup_.time_step;
-  booked_steps_ = step_ + 1;
+  const double span = setup_.time_step;
   for (const Contact& contact : contacts_) {
     book_contact(contact, span);
     book_drive(contact, span);
@@ -123,8 +122,8 @@ void PlainEngine::book_contact(const Contact& contact, double span) {
   // The spring loses what lies between its energy before and after it was shortened; the step that
   // shortened it moved by `sliding`, half of which was still booked against the long spring.
   const Vec3 n = geometry.normal;
-  const Vec3 sliding = (geometry.relative_velocity - n * dot(geometry.relative_velocity, n)) *
-                       setup_.time_step;
+  const Vec3 sliding =
+      (geometry.relative_velocity - n * dot(geometry.relative_velocity, n)) * setup_.time_step;
   const double spring_loss = law.tangential_stiffness *
                              dot(slip, contact.force.spring + (slip - sliding) * 0.5) /
                              setup_.time_step;
@@ -137,8 +136,7 @@ void PlainEngine::book_contact(const Contact& contact, double span) {
 void PlainEngine::book_drive(const Contact& contact, double span) {
   const Candidate& candidate = candidates_[contact.candidate];
   const Body& a = bodies_[candidate.first];
-  const Vec3 force =
-      contact.geometry.normal * -contact.force.normal + contact.force.tangential;
+  const Vec3 force = contact.geometry.normal * -contact.force.normal + contact.force.tangential;
   if (candidate.is_wall()) {
     const Vec3 centre = a.position - a.velocity_half * setup_.time_step;
     const Vec3 arm = contact.geometry.normal * contact.geometry.radius_a;
@@ -152,11 +150,10 @@ void PlainEngine::book_drive(const Contact& contact, double span) {
   const Vec3& n = contact.geometry.normal;
   const Vec3& torque = contact.force.rolling_torque;
   const double power =
-      a.carried
-          ? -dot(force, a.velocity_mean + cross(a.spin_mean * contact.geometry.radius_a, n)) -
-                dot(torque, a.spin_mean)
-          : dot(force, b.velocity_mean - cross(b.spin_mean * contact.geometry.radius_b, n)) +
-                dot(torque, b.spin_mean);
+      a.carried ? -dot(force, a.velocity_mean + cross(a.spin_mean * contact.geometry.radius_a, n)) -
+                      dot(torque, a.spin_mean)
+                : dot(force, b.velocity_mean - cross(b.spin_mean * contact.geometry.radius_b, n)) +
+                      dot(torque, b.spin_mean);
   book(EnergyChannel::inlet, -power * span);
 }
 

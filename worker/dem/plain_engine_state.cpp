@@ -1,5 +1,5 @@
-// Snapshot and restore of the plain engine. Candidate lists are not kept: contacts are visited in the
-// order of ids, so a list collected anew gives the same bits.
+// Snapshot and restore of the plain engine. Candidate lists are not kept: contacts are visited in
+// the order of ids, so a list collected anew gives the same bits.
 #include <algorithm>
 #include <stdexcept>
 
@@ -67,7 +67,6 @@ core::State PlainEngine::snapshot() const {
   state.put_scalar("dem.next_id", "1", next_id_);
   state.put_scalar("dem.particle_steps", "1", particle_steps_);
   state.put_scalar("dem.contact_evaluations", "1", contact_evaluations_);
-  state.put_scalar("dem.booked_steps", "1", booked_steps_);
   state.put_scalar("dem.largest_overlap_ratio", "1", largest_overlap_ratio_);
   state.put("dem.gravity_m_per_s2", "m/s2",
             std::vector<double>{setup_.motion.gravity.x, setup_.motion.gravity.y,
@@ -125,8 +124,8 @@ void PlainEngine::restore(const core::State& state) {
   leavers_.clear();
   for (std::size_t k = 0; k < leaver_id.size(); ++k) {
     const double* row = &leavers[k * kLeaverWidth];
-    leavers_.push_back({row[0], leaver_id[k], {row[1], row[2], row[3]}, {row[4], row[5], row[6]},
-                        row[7], row[8]});
+    leavers_.push_back(
+        {row[0], leaver_id[k], {row[1], row[2], row[3]}, {row[4], row[5], row[6]}, row[7], row[8]});
   }
   restore_scalars(state);
 }
@@ -136,7 +135,6 @@ void PlainEngine::restore_scalars(const core::State& state) {
   next_id_ = state.get_scalar<std::int64_t>("dem.next_id");
   particle_steps_ = state.get_scalar<std::uint64_t>("dem.particle_steps");
   contact_evaluations_ = state.get_scalar<std::uint64_t>("dem.contact_evaluations");
-  booked_steps_ = state.get_scalar<std::uint64_t>("dem.booked_steps");
   largest_overlap_ratio_ = state.get_scalar<double>("dem.largest_overlap_ratio");
   setup_.motion.gravity = vector_at(state.get<double>("dem.gravity_m_per_s2"), 0);
   terms_ = BodyTerms(setup_.motion, setup_.time_step);

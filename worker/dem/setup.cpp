@@ -10,7 +10,9 @@ double GrainClass::mass() const {
   return density * (4.0 / 3.0) * std::numbers::pi * radius * radius * radius;
 }
 
-double GrainClass::inertia() const { return 0.4 * mass() * radius * radius; }
+double GrainClass::inertia() const {
+  return 0.4 * mass() * radius * radius;
+}
 
 double stable_time_step(const EngineSetup& setup) {
   double lightest = std::numeric_limits<double>::infinity();

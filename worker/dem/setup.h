@@ -12,10 +12,10 @@
 namespace granary::dem {
 
 struct GrainClass {
-  double radius = 0.0015;   // m
-  double density = 2550;    // kg/m3
-  double mass() const;      // kg
-  double inertia() const;   // solid sphere, 2/5 m R^2 [kg m^2]
+  double radius = 0.0015;  // m
+  double density = 2550;   // kg/m3
+  double mass() const;     // kg
+  double inertia() const;  // solid sphere, 2/5 m R^2 [kg m^2]
 };
 
 // Infinite plane; grains live on the side the normal points to.
@@ -30,9 +30,9 @@ enum class FrameKind {
 };
 
 struct Motion {
-  core::Vec3 gravity;        // in chute axes at t = 0 [m/s2]
-  core::Vec3 omega;          // rotation of the chute [rad/s]
-  core::Vec3 axis_point;     // a point of the rotation axis [m]
+  core::Vec3 gravity;     // in chute axes at t = 0 [m/s2]
+  core::Vec3 omega;       // rotation of the chute [rad/s]
+  core::Vec3 axis_point;  // a point of the rotation axis [m]
   FrameKind frame = FrameKind::corotating;
   bool rotates() const { return omega != core::Vec3{}; }
 };
@@ -40,6 +40,11 @@ struct Motion {
 enum class Damping {
   semi_implicit,      // velocity of the last half step in the dashpots
   predicted_velocity  // normal velocity predicted to the full step
+};
+
+enum class Precision {
+  mixed,  // contacts in float on differences taken in double, sums and motion in double
+  full    // double throughout, slower
 };
 
 struct EngineSetup {
@@ -52,10 +57,12 @@ struct EngineSetup {
   double time_step = 1e-5;
   Damping damping = Damping::semi_implicit;
   double outlet_x = std::numeric_limits<double>::infinity();  // grains beyond it leave
-  std::uint32_t ledger_interval = 32;  // steps between two evaluations of the energy channels
+  Precision precision = Precision::mixed;
+  unsigned threads = 1;  // never change a result
 };
 
-// A grain as the outside sees it: chute axes, velocity at the full step, spin relative to the chute.
+// A grain as the outside sees it: chute axes, velocity at the full step, spin relative to the
+// chute.
 struct Grain {
   core::Vec3 position;
   core::Vec3 velocity;

@@ -12,8 +12,8 @@ namespace {
 
 using core::Vec3;
 
-constexpr double kSpacing = 1.06;       // of the grid, in largest diameters
-constexpr double kJitter = 0.02;        // so that the bed does not crystallise, in largest diameters
+constexpr double kSpacing = 1.06;  // of the grid, in largest diameters
+constexpr double kJitter = 0.02;   // so that the bed does not crystallise, in largest diameters
 constexpr double kSettlingRestitution = 0.3;
 constexpr double kSettlingTime = 0.15;  // s after the highest grain could have landed
 
@@ -74,7 +74,7 @@ std::vector<dem::Grain> loose_grid(const ChutePlan& plan) {
 
 }  // namespace
 
-dem::Engine make_filling(const ChutePlan& plan) {
+std::unique_ptr<dem::Engine> make_filling(const ChutePlan& plan) {
   dem::EngineSetup setup = plan.engine;
   setup.motion = {};
   setup.motion.gravity = {0, 0, -norm(plan.engine.motion.gravity)};
@@ -83,8 +83,8 @@ dem::Engine make_filling(const ChutePlan& plan) {
   setup.grain_wall.normal_restitution = kSettlingRestitution;
   setup.walls.push_back({{0, 0, 0}, {1, 0, 0}});
   setup.walls.push_back({{plan.geometry.length, 0, 0}, {-1, 0, 0}});
-  dem::Engine engine(setup);
-  engine.insert(loose_grid(plan));
+  std::unique_ptr<dem::Engine> engine = dem::make_engine(setup);
+  engine->insert(loose_grid(plan));
   return engine;
 }
 

@@ -1,8 +1,9 @@
-// Settled grains at the start of a run (`initial_count`): a loose grid over the floor that falls under
-// gravity normal to the floor, in a closed chute, with strongly damped contacts. It is a run of its own,
-// so that a sweep can share it.
+// Settled grains at the start of a run (`initial_count`): a loose grid over the floor that falls
+// under gravity normal to the floor, in a closed chute, with strongly damped contacts. It is a run
+// of its own, so that a sweep can share it.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "worker/core/column.h"
@@ -11,10 +12,11 @@
 
 namespace granary::scene {
 
-dem::Engine make_filling(const ChutePlan& plan);
+std::unique_ptr<dem::Engine> make_filling(const ChutePlan& plan);
 double filling_duration(const ChutePlan& plan);  // s
 
-// The settled bed as it is stored, and the grains it stands for (at rest, in the order of their ids).
+// The settled bed as it is stored, and the grains it stands for (at rest, in the order of their
+// ids).
 core::State filling_state(const dem::Engine& settled);
 // Throws std::runtime_error on a state of another scene.
 std::vector<dem::Grain> grains_of_filling(const core::State& filling, const ChutePlan& plan);

@@ -41,7 +41,9 @@ dem::ContactParameters contact(const v1::Contact& c) {
           .tangential_stiffness = 0};
 }
 
-bool is_on(v1::Effects::Mode mode) { return mode != v1::Effects::OFF; }
+bool is_on(v1::Effects::Mode mode) {
+  return mode != v1::Effects::OFF;
+}
 
 // PHYSICS section H1: the axis is vertical, rotation_rpm > 0 points down.
 dem::Motion motion_of(const v1::Scene& scene) {
@@ -54,8 +56,8 @@ dem::Motion motion_of(const v1::Scene& scene) {
     motion.omega = down * (chute.rotation_rpm() * 2 * std::numbers::pi / 60);
   }
   motion.axis_point = {chute.axis_offset_m(), 0.5 * chute.width_m(), 0};
-  motion.frame = chute.frame() == v1::Chute::INERTIAL ? dem::FrameKind::inertial
-                                                      : dem::FrameKind::corotating;
+  motion.frame =
+      chute.frame() == v1::Chute::INERTIAL ? dem::FrameKind::inertial : dem::FrameKind::corotating;
   return motion;
 }
 
@@ -113,7 +115,8 @@ double largest_diameter(const ChutePlan& plan) {
   return largest;
 }
 
-// ------------------------------------------------------------------------- what cannot run, and why
+// ------------------------------------------------------------------------- what cannot run, and
+// why
 
 std::optional<Error> check_built(const v1::Scene& scene) {
   const v1::Chute& chute = scene.chute();
@@ -176,12 +179,13 @@ std::optional<Error> check_feed(const ChutePlan& plan) {
   const dem::GrainClass& heaviest = *std::max_element(
       setup.classes.begin(), setup.classes.end(),
       [](const dem::GrainClass& l, const dem::GrainClass& r) { return l.mass() < r.mass(); });
-  const double fastest = kDeepestImpact * heaviest.radius *
-                         std::sqrt(plan.engine.grain_grain.normal_stiffness / (0.5 * heaviest.mass()));
+  const double fastest =
+      kDeepestImpact * heaviest.radius *
+      std::sqrt(plan.engine.grain_grain.normal_stiffness / (0.5 * heaviest.mass()));
   if (feed.speed() <= fastest) return {};
   return refuse("chute.inlet.mass_flow_kg_per_s",
-                "= " + number(setup.mass_flow) + " needs an inlet speed of " + number(feed.speed()) +
-                    " m/s, the lattice allows <= " + number(fastest) +
+                "= " + number(setup.mass_flow) + " needs an inlet speed of " +
+                    number(feed.speed()) + " m/s, the lattice allows <= " + number(fastest) +
                     " m/s (impacts of half a radius at this stiffness)");
 }
 
@@ -215,6 +219,9 @@ Result<ChutePlan> plan_chute(const v1::Scene& scene) {
   plan.engine.walls = walls_of(chute);
   plan.engine.motion = motion_of(scene);
   plan.engine.time_step = chute.time_step_s();
+  plan.engine.precision =
+      chute.precision() == v1::Chute::DOUBLE ? dem::Precision::full : dem::Precision::mixed;
+  plan.engine.threads = scene.has_threads() ? scene.threads() : 1;
   if (!chute.closed_end() && !chute.no_walls()) plan.engine.outlet_x = chute.length_m();
   plan.beads = beads_of(chute);
   plan.initial_count = chute.initial_count();

@@ -17,16 +17,17 @@ struct ChutePlan {
   dem::EngineSetup engine;
   measure::ChuteGeometry geometry;
   std::optional<dem::LatticeFeedSetup> feed;
-  std::vector<dem::Grain> beads;     // placed by hand
-  std::size_t initial_count = 0;     // settled grains at the start
+  std::vector<dem::Grain> beads;  // placed by hand
+  std::size_t initial_count = 0;  // settled grains at the start
   std::vector<double> mass_fractions;
   std::uint64_t seed = 1;
-  double duration = 0;          // s
-  double sample_start = 0;      // s
+  double duration = 0;            // s
+  double sample_start = 0;        // s
   double sample_interval = 0.01;  // s
 };
 
-// INVALID_ARGUMENT with field path and limit for what cannot run, UNIMPLEMENTED for what is not built.
+// INVALID_ARGUMENT with field path and limit for what cannot run, UNIMPLEMENTED for what is not
+// built.
 Result<ChutePlan> plan_chute(const v1::Scene& resolved);
 
 }  // namespace granary::scene

@@ -23,17 +23,17 @@ std::vector<double> flat(const std::vector<core::Vec3>& vectors) {
 
 ChuteSimulation::ChuteSimulation(ChutePlan plan, const core::State* stored_filling)
     : plan_(std::move(plan)),
-      engine_(plan_.engine),
+      engine_(dem::make_engine(plan_.engine)),
       observer_(plan_.geometry, plan_.sample_start, plan_.engine.classes.size() > 1) {
   if (plan_.feed) feed_.emplace(*plan_.feed);
-  engine_.insert(plan_.beads);
+  engine_->insert(plan_.beads);
   if (plan_.initial_count == 0) return;
   filling_duration_ = filling_duration(plan_);
   if (stored_filling != nullptr) {
     filling_ = *stored_filling;
     begin_flow();
   } else {
-    filling_engine_.emplace(make_filling(plan_));
+    filling_engine_ = make_filling(plan_);
   }
 }
 
@@ -45,7 +45,7 @@ std::uint64_t ChuteSimulation::step_at(double time) const {
 }
 
 double ChuteSimulation::now() const {
-  return is_filling() ? filling_engine_->time() - filling_duration_ : engine_.time();
+  return is_filling() ? filling_engine_->time() - filling_duration_ : engine_->time();
 }
 
 core::AdvanceOutcome ChuteSimulation::advance(double until_time_s, std::uint64_t max_steps) {
@@ -58,14 +58,13 @@ core::AdvanceOutcome ChuteSimulation::advance(double until_time_s, std::uint64_t
   const std::uint64_t last_step = step_at(plan_.duration);
   while (!is_filling() && !engine().trouble()) {
     handle_events();
-    if (engine_.step() >= last_step) return {core::AdvanceStatus::finished, std::nullopt};
-    if (engine_.time() >= until_time_s || left == 0) break;
+    if (engine_->step() >= last_step) return {core::AdvanceStatus::finished, std::nullopt};
+    if (engine_->time() >= until_time_s || left == 0) break;
     const double until = std::min(until_time_s, plan_.duration);
-    const std::uint64_t target =
-        std::min({next_event(), step_at(until), engine_.step() + left});
-    const std::uint64_t before = engine_.step();
-    engine_.advance(std::max<std::uint64_t>(target, before + 1) - before);
-    left -= engine_.step() - before;
+    const std::uint64_t target = std::min({next_event(), step_at(until), engine_->step() + left});
+    const std::uint64_t before = engine_->step();
+    engine_->advance(std::max<std::uint64_t>(target, before + 1) - before);
+    left -= engine_->step() - before;
   }
   if (engine().trouble()) return {core::AdvanceStatus::rejected, engine().trouble()};
   return {core::AdvanceStatus::advanced, std::nullopt};
@@ -83,7 +82,9 @@ void ChuteSimulation::advance_filling(double until_time, std::uint64_t max_steps
   begin_flow();
 }
 
-void ChuteSimulation::begin_flow() { engine_.insert(grains_of_filling(*filling_, plan_)); }
+void ChuteSimulation::begin_flow() {
+  engine_->insert(grains_of_filling(*filling_, plan_));
+}
 
 // ----------------------------------------------------------------------------------------- events
 
@@ -92,7 +93,7 @@ void ChuteSimulation::handle_events() {
     enter_layers();
     free_layers();
   }
-  if (engine_.step() >= step_at(static_cast<double>(frames_sampled_) * plan_.sample_interval)) {
+  if (engine_->step() >= step_at(static_cast<double>(frames_sampled_) * plan_.sample_interval)) {
     sample();
   }
 }
@@ -102,33 +103,33 @@ double ChuteSimulation::entry_time(std::int64_t layer) const {
 }
 
 void ChuteSimulation::enter_layers() {
-  while (engine_.step() >= step_at(entry_time(layers_entered_))) {
-    const std::int64_t first = engine_.insert(feed_->layer(layers_entered_, engine_.time()));
+  while (engine_->step() >= step_at(entry_time(layers_entered_))) {
+    const std::int64_t first = engine_->insert(feed_->layer(layers_entered_, engine_->time()));
     if (layers_entered_ == 0) next_to_free_ = first;
     ++layers_entered_;
   }
 }
 
 void ChuteSimulation::free_layers() {
-  while (engine_.step() >= step_at(feed_->arrival_time(layers_freed_))) {
+  while (engine_->step() >= step_at(feed_->arrival_time(layers_freed_))) {
     const auto size = static_cast<std::int64_t>(feed_->layer_size(layers_freed_));
-    engine_.release(next_to_free_, next_to_free_ + size);
+    engine_->release(next_to_free_, next_to_free_ + size);
     next_to_free_ += size;
     ++layers_freed_;
   }
 }
 
 void ChuteSimulation::sample() {
-  const std::vector<dem::Leaver> leavers = engine_.take_leavers();
-  observer_.sample(engine_.time(), engine_.grains(), leavers);
+  const std::vector<dem::Leaver> leavers = engine_->take_leavers();
+  observer_.sample(engine_->time(), engine_->grains(), leavers);
   ++frames_sampled_;
 }
 
 std::uint64_t ChuteSimulation::next_event() const {
   std::uint64_t next = step_at(static_cast<double>(frames_sampled_) * plan_.sample_interval);
   if (feed_) {
-    next = std::min({next, step_at(entry_time(layers_entered_)),
-                     step_at(feed_->arrival_time(layers_freed_))});
+    next = std::min(
+        {next, step_at(entry_time(layers_entered_)), step_at(feed_->arrival_time(layers_freed_))});
   }
   return next;
 }
@@ -152,15 +153,13 @@ core::SimulationProgress ChuteSimulation::progress() const {
 
 core::Observation ChuteSimulation::observe() const {
   core::Observation observation = observer_.observe();
-  const dem::EngineSetup& setup = engine_.setup();
-  const std::uint64_t contacts = engine_.contact_evaluations();
-  observation.effect_evaluations = {
-      {"gas", 0},
-      {"rotating_frame", setup.motion.rotates() ? engine_.particle_steps() : 0},
-      {"rolling_friction", setup.effects.rolling_friction ? contacts : 0},
-      {"particle_rotation", setup.effects.spin ? engine_.particle_steps() : 0},
-      {"tangential_history", setup.effects.tangential_history ? contacts : 0},
-      {"cohesion", 0}};
+  const dem::EffectCounts counts = engine_->effect_counts();
+  observation.effect_evaluations = {{"gas", 0},
+                                    {"rotating_frame", counts.rotating_frame},
+                                    {"rolling_friction", counts.rolling_friction},
+                                    {"particle_rotation", counts.spin},
+                                    {"tangential_history", counts.tangential_history},
+                                    {"cohesion", 0}};
   return observation;
 }
 
@@ -205,11 +204,11 @@ core::State ChuteSimulation::snapshot() const {
 
 void ChuteSimulation::restore(const core::State& state) {
   if (state.get_scalar<std::uint8_t>("chute.filling") != 0) {
-    filling_engine_.emplace(make_filling(plan_));
+    filling_engine_ = make_filling(plan_);
     filling_engine_->restore(state);
   } else {
     filling_engine_.reset();
-    engine_.restore(state);
+    engine_->restore(state);
   }
   observer_.load(state);
   filling_steps_ = state.get_scalar<std::uint64_t>("chute.filling_steps");

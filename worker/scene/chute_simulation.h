@@ -1,8 +1,9 @@
-// The chute scenario: drives the DEM engine through filling, feed and sampling. What happens between
-// steps (layers that enter or are set free, frames that are sampled) happens at step numbers fixed by
-// the scene, so chunks and checkpoints cannot move it.
+// The chute scenario: drives the DEM engine through filling, feed and sampling. What happens
+// between steps (layers that enter or are set free, frames that are sampled) happens at step
+// numbers fixed by the scene, so chunks and checkpoints cannot move it.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "worker/core/simulation.h"
@@ -18,17 +19,18 @@ class ChuteSimulation final : public core::Simulation {
 
   core::AdvanceOutcome advance(double until_time_s, std::uint64_t max_steps) override;
   core::SimulationProgress progress() const override;
-  const core::EnergyLedger& ledger() const override { return engine_.ledger(); }
+  const core::EnergyLedger& ledger() const override { return engine_->ledger(); }
   core::Observation observe() const override;
   std::vector<core::ColumnView> frame() const override;
   std::vector<core::ColumnView> physical_state() const override;
   core::State snapshot() const override;
   void restore(const core::State& state) override;
   std::optional<core::State> stored_filling() const override { return filling_; }
+  std::vector<core::PhaseSeconds> profile() const override { return engine().profile(); }
 
  private:
-  bool is_filling() const { return filling_engine_.has_value(); }
-  const dem::Engine& engine() const { return is_filling() ? *filling_engine_ : engine_; }
+  bool is_filling() const { return filling_engine_ != nullptr; }
+  const dem::Engine& engine() const { return is_filling() ? *filling_engine_ : *engine_; }
   double now() const;  // negative while filling
   void advance_filling(double until_time, std::uint64_t max_steps);
   void begin_flow();
@@ -42,9 +44,9 @@ class ChuteSimulation final : public core::Simulation {
 
   ChutePlan plan_;
   double filling_duration_ = 0;
-  std::optional<dem::Engine> filling_engine_;
+  std::unique_ptr<dem::Engine> filling_engine_;
   std::optional<core::State> filling_;
-  dem::Engine engine_;
+  std::unique_ptr<dem::Engine> engine_;
   std::optional<dem::LatticeFeed> feed_;
   measure::ChuteObserver observer_;
   std::uint64_t filling_steps_ = 0;

@@ -1,6 +1,6 @@
-// Claim: one bead on a slope rests, rolls, or slips and rolls exactly where rigid-body mechanics says.
-// Method: bead at its static overlap, at rest; acceleration and spin rate between 0.1 and 0.2 s.
-// Reference: PHYSICS section A2 (solid sphere): roll a = g (sin - mu_r cos)/(7/5); slip and roll
+// Claim: one bead on a slope rests, rolls, or slips and rolls exactly where rigid-body mechanics
+// says. Method: bead at its static overlap, at rest; acceleration and spin rate between 0.1 and 0.2
+// s. Reference: PHYSICS section A2 (solid sphere): roll a = g (sin - mu_r cos)/(7/5); slip and roll
 //   a = g (sin - mu cos), R alpha = 5/2 (mu - mu_r) g cos; slip starts at tan = 7/2 mu - 5/2 mu_r.
 // Tolerance: 1e-3 relative (start-up transient of the tangential spring, given there). Resting: the
 //   static displacement of the springs is m g / k = 0.4 um.
@@ -27,12 +27,11 @@ dem::EngineSetup slope_setup(double degrees, double friction, double rolling_fri
   return setup;
 }
 
-template <typename Engine>
-Engine bead_at_rest(const dem::EngineSetup& setup, const core::Vec3& velocity = {}) {
-  Engine engine(setup);
+// Sunk into the floor by its own weight.
+void lay_bead(dem::Engine& engine, const core::Vec3& velocity = {}) {
+  const dem::EngineSetup& setup = engine.setup();
   const double sunk = -setup.motion.gravity.z * setup.classes[0].mass() / 1000;
   insert_one(engine, grain_at({0, 0, kRadius - sunk}, velocity));
-  return engine;
 }
 
 struct Rates {
@@ -41,13 +40,13 @@ struct Rates {
 
 template <typename Engine>
 Rates rates_of(const dem::EngineSetup& setup) {
-  Engine engine = bead_at_rest<Engine>(setup);
+  Engine engine(setup);
+  lay_bead(engine);
   engine.advance(10'000);
   const Bead early = bead(engine);
   engine.advance(10'000);
   const Bead late = bead(engine);
-  return {(late.velocity.x - early.velocity.x) / 0.1,
-          kRadius * (late.spin.y - early.spin.y) / 0.1};
+  return {(late.velocity.x - early.velocity.x) / 0.1, kRadius * (late.spin.y - early.spin.y) / 0.1};
 }
 
 TYPED_TEST(BeadOnSlope, rolls_without_slip_below_the_boundary) {
@@ -74,7 +73,8 @@ TYPED_TEST(BeadOnSlope, rolling_friction_slows_rolling) {
 }
 
 TYPED_TEST(BeadOnSlope, rests_below_the_rolling_friction_angle) {
-  TypeParam engine = bead_at_rest<TypeParam>(slope_setup(5, 0.22, 0.1));
+  TypeParam engine(slope_setup(5, 0.22, 0.1));
+  lay_bead(engine);
   engine.advance(50'000);
   EXPECT_LT(std::abs(bead(engine).position.x), 1e-6);
   // The velocity shown is that of the half step plus half a step of gravity.
@@ -94,10 +94,11 @@ TYPED_TEST(BeadOnSlope, locked_spin_slides) {
   EXPECT_NEAR(rates.acceleration, kGravity * (0.5 - 0.22 * std::cos(radians(30))), 3e-3);
 }
 
-// MFiX DEM04: launched sliding on a level rough plane, a sphere rolls from t = (2/7) v0 / (mu g) on,
-// with v = (5/7) v0.
+// MFiX DEM04: launched sliding on a level rough plane, a sphere rolls from t = (2/7) v0 / (mu g)
+// on, with v = (5/7) v0.
 TYPED_TEST(BeadOnSlope, launched_sliding_it_ends_up_rolling) {
-  TypeParam engine = bead_at_rest<TypeParam>(slope_setup(0, 0.22, 0), {0.5, 0, 0});
+  TypeParam engine(slope_setup(0, 0.22, 0));
+  lay_bead(engine, {0.5, 0, 0});
   const double rolling_from = 2.0 / 7.0 * 0.5 / (0.22 * kGravity);
   engine.advance(static_cast<std::uint64_t>(0.9 * rolling_from / 1e-5));
   const Bead sliding = bead(engine);

@@ -1,14 +1,17 @@
-// Claim: a chute run is one computation, whatever its chunks and checkpoints; its inlet delivers the
+// Claim: a chute run is one computation, whatever its chunks and checkpoints; its inlet delivers
+// the
 //   mass flow; its energy ledger closes and shows a force that is not accounted for.
 // Method: chute_small, shortened.
 // Reference: PHYSICS section A6 (cumulative mass = flow x t to one layer), I (ledger).
-// Tolerance: bitwise for chunks and restore; one layer of mass; remainder 1e-4 of the throughput (given
+// Tolerance: bitwise for chunks and restore; one layer of mass; remainder 1e-4 of the throughput
+// (given
 //   in I for dt <= 1e-5; the bookkeeping is second order and reaches 5e-6 here).
 // Seconds: 6
 #include <gtest/gtest.h>
 
 #include "tests/support/dem_cases.h"
 #include "tests/support/shipped_scenes.h"
+#include "worker/dem/records.h"
 #include "worker/scene/chute.h"
 #include "worker/scene/chute_plan.h"
 #include "worker/scene/chute_simulation.h"
@@ -17,9 +20,9 @@ namespace granary::tests {
 namespace {
 
 v1::Scene short_chute() {
-  return shipped_scene("chute_small", {{"chute.duration_s", "0.12"},
-                                       {"chute.sample_start_s", "0.06"},
-                                       {"chute.length_m", "0.04"}});
+  return shipped_scene(
+      "chute_small",
+      {{"chute.duration_s", "0.12"}, {"chute.sample_start_s", "0.06"}, {"chute.length_m", "0.04"}});
 }
 
 std::string hash_of(const core::Simulation& simulation) {
@@ -83,7 +86,8 @@ TEST(ChuteRun, inlet_delivers_the_mass_flow_to_one_layer) {
       if (position[3 * row] >= 0) inside += grain_mass;
     }
     const core::Table log = simulation.observe().fields.back();
-    // Grains that left since the last frame are in no table yet; frames are 10 ms apart as are these.
+    // Grains that left since the last frame are in no table yet; frames are 10 ms apart as are
+    // these.
     left = static_cast<double>(log.columns[0].rows) * grain_mass;
     const double delivered = 0.4 * simulation.progress().time_s;
     EXPECT_NEAR(inside + left, delivered, 1.6 * layer_mass) << simulation.progress().time_s;
@@ -92,7 +96,6 @@ TEST(ChuteRun, inlet_delivers_the_mass_flow_to_one_layer) {
 
 TEST(ChuteRun, energy_ledger_closes) {
   Result<scene::ChutePlan> plan = scene::plan_chute(short_chute());
-  plan->engine.ledger_interval = 1;
   scene::ChuteSimulation simulation(*plan, nullptr);
   simulation.advance(1, kNoLimit);
   EXPECT_LT(simulation.ledger().remainder_ratio(), 1e-4);
@@ -103,14 +106,15 @@ TEST(ChuteRun, energy_ledger_closes) {
 
 TEST(ChuteRun, energy_ledger_shows_a_force_it_does_not_know) {
   Result<scene::ChutePlan> plan = scene::plan_chute(short_chute());
-  plan->engine.ledger_interval = 1;
   scene::ChuteSimulation simulation(*plan, nullptr);
   simulation.advance(0.05, kNoLimit);
   core::State state = simulation.snapshot();
   for (core::Column& column : state.columns) {
-    if (column.name != "dem.velocity_half_m_per_s") continue;
-    auto* values = reinterpret_cast<double*>(column.bytes.data());
-    for (std::size_t k = 0; k < column.rows * column.width; ++k) values[k] *= 1.05;
+    if (column.name != "dem.motion") continue;
+    auto* grains = reinterpret_cast<dem::GrainMotion*>(column.bytes.data());
+    for (std::size_t k = 0; k < column.rows; ++k) {
+      for (double& component : grains[k].velocity) component *= 1.05;
+    }
   }
   simulation.restore(state);
   simulation.advance(1, kNoLimit);
@@ -126,7 +130,6 @@ TEST(ChuteRun, energy_ledger_closes_in_both_frames) {
                                                     {"chute.rotation_rpm", "60"},
                                                     {"chute.frame", frame}});
     Result<scene::ChutePlan> plan = scene::plan_chute(scene);
-    plan->engine.ledger_interval = 1;
     scene::ChuteSimulation simulation(*plan, nullptr);
     simulation.advance(1, kNoLimit);
     EXPECT_LT(simulation.ledger().remainder_ratio(), 1e-4) << frame;

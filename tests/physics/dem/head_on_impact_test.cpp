@@ -1,8 +1,10 @@
-// Claim: a head-on impact gives back the restitution coefficient that was put in, after the collision
+// Claim: a head-on impact gives back the restitution coefficient that was put in, after the
+// collision
 //   time and with the greatest overlap of the damped oscillator.
 // Method: one bead on the floor and two beads against each other at t_c / 200, no gravity.
 // Reference: PHYSICS section A1 (closed form of the damped spring; base case of the chute paper).
-// Tolerance: 1e-4 absolute in e_n at t_c / 200 (given there; only an onset exactly on a step is worse,
+// Tolerance: 1e-4 absolute in e_n at t_c / 200 (given there; only an onset exactly on a step is
+// worse,
 //   5e-4); overlap 0.1 %: the turning point is hit to half a step, (pi / 400)^2 / 2 = 3e-5.
 // Seconds: < 0.1
 #include <gtest/gtest.h>
@@ -47,9 +49,10 @@ TYPED_TEST(HeadOnImpact, greatest_overlap_is_that_of_the_damped_spring) {
   EXPECT_NEAR(engine.largest_overlap_ratio() / 2, 0.04408, 1e-3 * 0.04408);
 }
 
-// MFiX DEM02: heights of successive bounces h_n = h_0 e^(2n). Per bounce, gravity during the contact
-// costs 4 zeta x_s / delta_max = 6e-4 (static overlap x_s = 0.35 um, delta_max = 38 um, zeta = .0163),
-// and an onset that happens to fall on a step moves e by up to 5e-4, so the height by 1e-3.
+// MFiX DEM02: heights of successive bounces h_n = h_0 e^(2n). Per bounce, gravity during the
+// contact costs 4 zeta x_s / delta_max = 6e-4 (static overlap x_s = 0.35 um, delta_max = 38 um,
+// zeta = .0163), and an onset that happens to fall on a step moves e by up to 5e-4, so the height
+// by 1e-3.
 TYPED_TEST(HeadOnImpact, bounces_lose_height_as_restitution_squared) {
   dem::EngineSetup setup = base_setup(kWallCollisionTime / 200);
   setup.walls = {floor_plane()};

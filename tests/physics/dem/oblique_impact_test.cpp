@@ -1,8 +1,10 @@
 // Claim: oblique impacts stick, slip, and turn the bead as the law with these inputs must.
-// Method: one bead thrown at the floor, no gravity; contact slip v_x - R w_y and spin after it left.
-// Reference: PHYSICS section A1: independent integration of the same soft law (table), Walton's rigid
+// Method: one bead thrown at the floor, no gravity; contact slip v_x - R w_y and spin after it
+// left. Reference: PHYSICS section A1: independent integration of the same soft law (table),
+// Walton's rigid
 //   impulse (gross slip: v_t' = v_t - mu (1 + e_n) v_n, R w' = 5/2 mu (1 + e_n) v_n).
-// Tolerance: tangential restitution is first order in dt: 0.2 % at t_c / 1000, so 1 % against the soft
+// Tolerance: tangential restitution is first order in dt: 0.2 % at t_c / 1000, so 1 % against the
+// soft
 //   table; 1e-3 against gross slip (attractive tail of the dashpot adds 7e-4).
 // Seconds: < 0.1
 #include <gtest/gtest.h>
@@ -26,14 +28,16 @@ dem::EngineSetup floor_setup(double steps_per_contact) {
 }
 
 // Velocity of the contact point against a floor: v_x - R w_y (n = -z, spin adds R w x n).
-double slip_of(const Bead& bead) { return bead.velocity.x - kRadius * bead.spin.y; }
+double slip_of(const Bead& bead) {
+  return bead.velocity.x - kRadius * bead.spin.y;
+}
 
 TYPED_TEST(ObliqueImpact, soft_law_table_is_reproduced) {
   struct Row {
     double tangential, slip_after, surface_speed_after;
   };
-  for (const Row& row : {Row{0.5, -0.1651, 0.4751}, Row{1.0, -0.3166, 0.9404},
-                         Row{2.0, 0.4978, 1.0730}}) {
+  for (const Row& row :
+       {Row{0.5, -0.1651, 0.4751}, Row{1.0, -0.3166, 0.9404}, Row{2.0, 0.4978, 1.0730}}) {
     const Bead after = rebound<TypeParam>(floor_setup(1000), {row.tangential, 0, -1});
     EXPECT_NEAR(slip_of(after), row.slip_after, 0.01 * std::abs(row.slip_after)) << row.tangential;
     EXPECT_NEAR(kRadius * after.spin.y, row.surface_speed_after, 0.01 * row.surface_speed_after)

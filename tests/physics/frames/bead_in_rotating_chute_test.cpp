@@ -2,9 +2,11 @@
 //   without friction, and both frames follow the same path.
 // Method: floor and one side wall, axis through the bead's line at the inlet, v0 .2731 m/s, 0.9 m,
 //   16 rpm, 30 and 40 deg, dt 1e-5; spin locked where the reference has none.
-// Reference: PHYSICS section A3, rows 6 (hyperbolic functions) and 7 (linear equation, solved here by
+// Reference: PHYSICS section A3, rows 6 (hyperbolic functions) and 7 (linear equation, solved here
+// by
 //   its exponentials).
-// Tolerance: 1e-4 without friction (soft wall: side overlap 2 Omega v m / k < 0.4 um out of mm paths);
+// Tolerance: 1e-4 without friction (soft wall: side overlap 2 Omega v m / k < 0.4 um out of mm
+// paths);
 //   2e-3 with friction (the side wall is reached during the first 0.4 um). Paths of the two frames:
 //   1e-6 m (issue: single particle the same path to 1e-6).
 // Seconds: 0.3
@@ -95,9 +97,9 @@ TYPED_TEST(BeadInRotatingChute, locked_bead_with_friction_on_floor_and_side) {
     const double rate = 16 * 2 * std::numbers::pi / 60;
     const double sine = std::sin(radians(degrees));
     const double cosine = std::cos(radians(degrees));
-    const double expected = time_of_linear_slide(
-        mu * rate * cosine, rate * rate * cosine * (cosine + mu * sine),
-        kGravity * (sine - mu * cosine), kLength);
+    const double expected =
+        time_of_linear_slide(mu * rate * cosine, rate * rate * cosine * (cosine + mu * sine),
+                             kGravity * (sine - mu * cosine), kLength);
     EXPECT_NEAR(slide_down<TypeParam>(setup).time / expected, 1, 2e-3) << degrees;
   }
 }
@@ -109,20 +111,20 @@ void expect_same_path(const dem::Grain& grain, double duration) {
   corotating.grain_wall.rolling_friction = 0.05;
   dem::EngineSetup inertial = corotating;
   inertial.motion.frame = dem::FrameKind::inertial;
-  Engine here(corotating);
-  Engine there(inertial);
-  insert_one(here, grain);
-  insert_one(there, grain);
-  while (here.time() < duration) {
-    here.advance(1'000);
-    there.advance(1'000);
-    ASSERT_NEAR(norm(bead(here).position - bead(there).position), 0, 1e-6) << here.time();
+  const auto here = engine_for<Engine>(corotating);
+  const auto there = engine_for<Engine>(inertial);
+  insert_one(*here, grain);
+  insert_one(*there, grain);
+  while (here->time() < duration) {
+    here->advance(1'000);
+    there->advance(1'000);
+    ASSERT_NEAR(norm(bead(*here).position - bead(*there).position), 0, 1e-6) << here->time();
   }
 }
 
 TYPED_TEST(BeadInRotatingChute, both_frames_follow_the_same_sliding_path) {
-  expect_same_path<TypeParam>(grain_at({0.01, -0.004, 0.0015}, {kStartSpeed, 0.02, 0}, {5, 10, -20}),
-                              0.5);
+  expect_same_path<TypeParam>(
+      grain_at({0.01, -0.004, 0.0015}, {kStartSpeed, 0.02, 0}, {5, 10, -20}), 0.5);
 }
 
 // Each bounce multiplies what separates the paths, so a bouncing bead is followed for less long.
