@@ -251,9 +251,9 @@ void BlockEngine::run_front(std::uint64_t count, bool timed) {
            k < std::min(steps, front + 1); ++k) {
         const auto b = static_cast<std::size_t>(front - k);
         const double before = timed ? seconds_now() : 0;
-        meet(blocks_[b]);
+        meet(blocks_[b], desks_[0].own);
         const double between = timed ? seconds_now() : 0;
-        move(b, step_ + begun + static_cast<std::uint64_t>(k));
+        move(b, step_ + begun + static_cast<std::uint64_t>(k), desks_[0].own);
         if (!timed) continue;
         timed_contacts_ += between - before;
         timed_motion_ += seconds_now() - between;
@@ -268,27 +268,43 @@ void BlockEngine::run_region(unsigned worker, std::uint64_t count) {
   const std::size_t begin = region_start_[worker], end = region_start_[worker + 1];
   if (begin == end) return;
   const std::size_t last = end - 1;
+  Desk& desk = desks_[worker];
   for (std::uint64_t k = 0; k < count; ++k) {
     if (end < block_count_) motion_done_[worker + 1].wait_for(k);
-    meet(blocks_[last]);
+    meet(blocks_[last], desk.last);
     contacts_done_[worker].raise();
     for (std::size_t b = begin; b < end; ++b) {
-      if (b != last) meet(blocks_[b]);
+      if (b != last) meet(blocks_[b], desk.own);
       if (b == begin && worker > 0) contacts_done_[worker - 1].wait_for(k + 1);
-      move(b, step_ + k);
+      move(b, step_ + k, b == last ? desk.last : desk.own);
       if (b == begin) motion_done_[worker].raise();
     }
   }
 }
 
-BlockArrays BlockEngine::arrays(Block& block) {
-  return {&motion_[block.range.first], &surface_[block.range.first], &loads_[block.load_first],
+BlockArrays BlockEngine::arrays(Block& block, LineVector<GrainLoad>& desk) {
+  return {&motion_[block.range.first], &surface_[block.range.first], desk.data(),
           block.range.count};
 }
 
-void BlockEngine::meet(Block& block) {
+// Every desk holds the largest block, with all that it may push.
+void BlockEngine::clear_desks() {
+  std::size_t largest = 0;
+  for (std::size_t b = 0; b < block_count_; ++b) {
+    const BlockRange& range = blocks_[b].range;
+    largest = std::max<std::size_t>(largest, range.count + range.outflow);
+    blocks_[b].outgoing.resize(range.outflow);
+  }
+  desks_.resize(crew_.size());
+  for (Desk& desk : desks_) {
+    desk.own.assign(largest, {});
+    desk.last.assign(largest, {});
+  }
+}
+
+void BlockEngine::meet(Block& block, LineVector<GrainLoad>& desk) {
   ContactTask task;
-  task.block = arrays(block);
+  task.block = arrays(block, desk);
   task.time_step = static_cast<float>(setup_.time_step);
   task.slots = block.pair_slots.arrays();
   task.laws = &laws_.pairs;
@@ -297,30 +313,27 @@ void BlockEngine::meet(Block& block) {
   task.laws = &laws_.walls;
   task.walls = &wall_tables_;
   if (task.slots.count > 0) kernels_.walls[combination_](task, block.sums);
+  for (std::uint32_t k = 0; k < block.range.outflow; ++k) {
+    block.outgoing[k] = std::exchange(desk[block.range.count + k], {});
+  }
 }
 
-void BlockEngine::move(std::size_t index, std::uint64_t step) {
+void BlockEngine::move(std::size_t index, std::uint64_t step, LineVector<GrainLoad>& desk) {
   Block& block = blocks_[index];
-  if (block.has_carried) book_carried(index);
+  if (block.has_carried) book_carried(index, desk);
   IntegrateTask task;
-  task.block = arrays(block);
+  task.block = arrays(block, desk);
   task.body = &body_;
   task.inflow_count = block.inflow;
-  if (block.inflow > 0) {
-    const Block& before = blocks_[index - 1];
-    task.inflow = &loads_[before.load_first + before.range.count];
-  }
+  if (block.inflow > 0) task.inflow = blocks_[index - 1].outgoing.data();
   integrate_(task);
   if (block.nears_outlet) log_leavers(block, step);
 }
 
 // A carried grain moves on whatever pushes it, so it does work on those who push.
-void BlockEngine::book_carried(std::size_t index) {
+void BlockEngine::book_carried(std::size_t index, const LineVector<GrainLoad>& desk) {
   Block& block = blocks_[index];
-  const GrainLoad* inflow = nullptr;
-  if (block.inflow > 0) {
-    inflow = &loads_[blocks_[index - 1].load_first + blocks_[index - 1].range.count];
-  }
+  const GrainLoad* inflow = block.inflow > 0 ? blocks_[index - 1].outgoing.data() : nullptr;
   for (std::uint32_t k = 0; k < block.range.count; ++k) {
     const GrainMotion& m = motion_[block.range.first + k];
     if (m.free_step != 0) continue;
@@ -331,7 +344,7 @@ void BlockEngine::book_carried(std::size_t index) {
         sum += load.force[i] * m.velocity[i] + load.turning[i] * s.speed[i];
       return sum;
     };
-    block.inlet_work -= setup_.time_step * (power(loads_[block.load_first + k]) +
+    block.inlet_work -= setup_.time_step * (power(desk[k]) +
                                             (k < block.inflow ? power(inflow[k]) : 0));
   }
 }

@@ -66,7 +66,7 @@ class BlockEngine final : public Engine {
   struct Block {
     BlockRange range;
     std::uint32_t inflow = 0;    // grains that the block before may push
-    std::size_t load_first = 0;  // in loads_: own grains, then the outflow
+    LineVector<GrainLoad> outgoing;  // of this step, for the first grains of the next block
     OuterList pairs, walls;
     SlotList pair_slots, wall_slots;
     SlotList old_pair_slots, old_wall_slots;
@@ -92,15 +92,16 @@ class BlockEngine final : public Engine {
   void run_steps(std::uint64_t count);
   void run_front(std::uint64_t count, bool timed);
   void run_region(unsigned worker, std::uint64_t count);
-  void meet(Block& block);
-  void move(std::size_t index, std::uint64_t step);
-  void book_carried(std::size_t index);
+  void meet(Block& block, LineVector<GrainLoad>& desk);
+  void move(std::size_t index, std::uint64_t step, LineVector<GrainLoad>& desk);
+  void book_carried(std::size_t index, const LineVector<GrainLoad>& desk);
+  void clear_desks();
   void log_leavers(Block& block, std::uint64_t step);
   void gather_leavers();
   void watch();
   void divide_work();
   void count_free();
-  BlockArrays arrays(Block& block);
+  BlockArrays arrays(Block& block, LineVector<GrainLoad>& desk);
 
   // block_lists.cpp: lists
   void refresh_lists();
@@ -175,7 +176,12 @@ class BlockEngine final : public Engine {
 
   LineVector<GrainMotion> motion_, sorted_motion_;
   LineVector<GrainSurface> surface_, sorted_surface_;
-  LineVector<GrainLoad> loads_;
+  // Where a worker gathers the loads of the block at hand, and of the last block of its region. Zero
+  // between two blocks.
+  struct Desk {
+    LineVector<GrainLoad> own, last;
+  };
+  std::vector<Desk> desks_;
   std::vector<std::int64_t> id_;
   std::vector<std::uint8_t> class_;
   std::vector<std::uint8_t> fresh_;    // put in or set free since the order was built

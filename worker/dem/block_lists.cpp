@@ -239,15 +239,12 @@ void BlockEngine::cut_blocks() {
   const std::vector<BlockRange> ranges = cells_.cut(kGrainsPerBlock);
   block_count_ = ranges.size();
   if (blocks_.size() < block_count_) blocks_.resize(block_count_);
-  std::size_t loads = 0;
   for (std::size_t b = 0; b < block_count_; ++b) {
     Block& block = blocks_[b];
     block.range = ranges[b];
     block.inflow = b > 0 ? ranges[b - 1].outflow : 0;
-    block.load_first = loads;
-    loads += block.range.count + block.range.outflow;
   }
-  loads_.assign(loads, {});
+  clear_desks();
 }
 
 // ------------------------------------------------------------------------------------- outer lists

@@ -219,15 +219,12 @@ void BlockEngine::load_lists(const core::State& state) {
   }
   blocks_.clear();
   blocks_.resize(block_count_);
-  std::size_t loads = 0;
   for (std::size_t b = 0; b < block_count_; ++b) {
     Block& block = blocks_[b];
     const std::uint64_t* i = &integers[b * kBlockIntegers];
     const auto u32 = [&](std::size_t k) { return static_cast<std::uint32_t>(i[k]); };
     block.range = {u32(0), u32(1), u32(2), u32(3), u32(4)};
     block.inflow = b > 0 ? blocks_[b - 1].range.outflow : 0;
-    block.load_first = loads;
-    loads += block.range.count + block.range.outflow;
     block.has_carried = (i[9] & 1U) != 0;
     block.nears_outlet = (i[9] & 2U) != 0;
     pairs.take(block.pairs, i[5], block.pair_slots, i[7], false);
@@ -240,7 +237,7 @@ void BlockEngine::load_lists(const core::State& state) {
       block.rooms.push_back({rooms[2 * (b * wall_count + w)], rooms[2 * (b * wall_count + w) + 1]});
     }
   }
-  loads_.assign(loads, {});
+  clear_desks();
 }
 
 void BlockEngine::restore(const core::State& state) {

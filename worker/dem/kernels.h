@@ -114,7 +114,7 @@ struct BodyCoefficients {
 };
 struct IntegrateTask {
   BlockArrays block;
-  GrainLoad* inflow = nullptr;  // from the block before, for the first inflow_count grains
+  const GrainLoad* inflow = nullptr;  // from the block before, for the first inflow_count grains
   std::size_t inflow_count = 0;
   const BodyCoefficients* body = nullptr;
 };

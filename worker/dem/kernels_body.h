@@ -34,6 +34,10 @@ inline Vec select(const Mask& m, const Vec& a, const Vec& b) {
   return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
 }
 
+// Makes the compiler load indices anew: thirty-two of them do not stay in registers, and it would rather
+// spill them than read them again.
+inline void read_again(const std::uint32_t*& indices) { asm("" : "+r"(indices)); }
+
 inline std::uint32_t valid_lanes(std::size_t count, std::size_t group_start) {
   const std::size_t left = count - group_start;
   return left >= kLanes ? 0xffffU : (1U << left) - 1U;
@@ -202,6 +206,8 @@ inline Encounter meet_pair(const ContactTask& task, const std::uint32_t* first,
     c.spin = wa * lookup(task.laws->inverse_radius_a, kinds) -
              wb * lookup(task.laws->inverse_radius_b, kinds);
   } else if constexpr (kEffects.spin) {
+    read_again(first);
+    read_again(second);
     const Columns both = fetch_surface_sum(task.block.surface, first, second);
     c.surface = {both.x, both.y, both.z};
   }
@@ -266,12 +272,15 @@ void pair_contacts(const ContactTask& task, ContactSums& sums) {
     const Encounter c = meet_pair<kEffects>(task, first, second, valid_lanes(active, g), kinds);
     Memory memory = recall(fetch_history(task.slots.history, slot));
     const Response r = respond<kEffects>(c, memory, laws, kinds, dt, lane_sums);
+    read_again(slot);
     store_history(task.slots.history, slot, record(memory));
     Vec turning_a = r.turning, turning_b = r.turning;
     if constexpr (kEffects.rolling_friction) {
       turning_a = turning_a + r.rolling * lookup(laws.inverse_radius_a, kinds);
       turning_b = turning_b - r.rolling * lookup(laws.inverse_radius_b, kinds);
     }
+    read_again(first);
+    read_again(second);
     add_to_pairs<kEffects.rolling_friction>(
         task.block.load, first, second, {turning_a.x, turning_a.y, turning_a.z},
         {turning_b.x, turning_b.y, turning_b.z}, {r.force.x, r.force.y, r.force.z});

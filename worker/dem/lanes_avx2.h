@@ -125,7 +125,7 @@ inline Lanes lookup(const float* row, const Kinds& kinds) {
 template <typename Record>
 inline const double* at(const Record* base, std::uint32_t offset) {
   return reinterpret_cast<const double*>(reinterpret_cast<const char*>(base) +
-                                         offset * (sizeof(Record) / sizeof(GrainSurface)));
+                                         std::size_t{offset} * (sizeof(Record) / sizeof(GrainSurface)));
 }
 template <typename Record>
 inline double* at(Record* base, std::uint32_t offset) {
@@ -405,10 +405,10 @@ void integrate(const IntegrateTask& task) {
   };
   for (std::size_t k = 0; k < task.inflow_count; ++k) {
     GrainLoad& own = task.block.load[k];
-    GrainLoad& in = task.inflow[k];
+    const GrainLoad& in = task.inflow[k];
     move(k, _mm256_add_pd(_mm256_load_pd(own.turning), _mm256_load_pd(in.turning)),
          _mm256_add_pd(_mm256_load_pd(own.force), _mm256_load_pd(in.force)));
-    clear(own), clear(in);
+    clear(own);
   }
   for (std::size_t k = task.inflow_count; k < task.block.count; ++k) {
     GrainLoad& own = task.block.load[k];

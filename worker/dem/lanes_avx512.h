@@ -122,7 +122,7 @@ inline Lanes lookup(const float* row, const Kinds& kinds) {
 template <typename Record>
 inline const Record* at(const Record* base, std::uint32_t offset) {
   return reinterpret_cast<const Record*>(reinterpret_cast<const char*>(base) +
-                                         offset * (sizeof(Record) / sizeof(GrainSurface)));
+                                         std::size_t{offset} * (sizeof(Record) / sizeof(GrainSurface)));
 }
 template <typename Record>
 inline Record* at(Record* base, std::uint32_t offset) {
@@ -407,11 +407,10 @@ void integrate(const IntegrateTask& task) {
   };
   const __m512d zero = _mm512_setzero_pd();
   double* load = task.block.load[0].turning;
-  double* inflow = reinterpret_cast<double*>(task.inflow);
+  const double* inflow = reinterpret_cast<const double*>(task.inflow);
   for (std::size_t k = 0; k < task.inflow_count; ++k) {
     move(k, _mm512_add_pd(_mm512_load_pd(load + 8 * k), _mm512_load_pd(inflow + 8 * k)));
     _mm512_store_pd(load + 8 * k, zero);
-    _mm512_store_pd(inflow + 8 * k, zero);
   }
   for (std::size_t k = task.inflow_count; k < task.block.count; ++k) {
     move(k, _mm512_load_pd(load + 8 * k));

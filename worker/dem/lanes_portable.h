@@ -370,7 +370,6 @@ void integrate(const IntegrateTask& task) {
         total.turning[i] += task.inflow[k].turning[i];
         total.force[i] += task.inflow[k].force[i];
       }
-      task.inflow[k] = {};
     }
     move<kRotating>(*task.body, task.block.motion[k], task.block.surface[k], total.turning,
                     total.force);
