@@ -344,8 +344,8 @@ void BlockEngine::book_carried(std::size_t index, const LineVector<GrainLoad>& d
         sum += load.force[i] * m.velocity[i] + load.turning[i] * s.speed[i];
       return sum;
     };
-    block.inlet_work -= setup_.time_step * (power(desk[k]) +
-                                            (k < block.inflow ? power(inflow[k]) : 0));
+    block.inlet_work -=
+        setup_.time_step * (power(desk[k]) + (k < block.inflow ? power(inflow[k]) : 0));
   }
 }
 

@@ -65,7 +65,7 @@ class BlockEngine final : public Engine {
   };
   struct Block {
     BlockRange range;
-    std::uint32_t inflow = 0;    // grains that the block before may push
+    std::uint32_t inflow = 0;        // grains that the block before may push
     LineVector<GrainLoad> outgoing;  // of this step, for the first grains of the next block
     OuterList pairs, walls;
     SlotList pair_slots, wall_slots;
@@ -176,8 +176,8 @@ class BlockEngine final : public Engine {
 
   LineVector<GrainMotion> motion_, sorted_motion_;
   LineVector<GrainSurface> surface_, sorted_surface_;
-  // Where a worker gathers the loads of the block at hand, and of the last block of its region. Zero
-  // between two blocks.
+  // Where a worker gathers the loads of the block at hand, and of the last block of its region.
+  // Zero between two blocks.
   struct Desk {
     LineVector<GrainLoad> own, last;
   };

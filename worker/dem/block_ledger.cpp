@@ -83,10 +83,12 @@ double BlockEngine::elastic_energy(const Touch& touch, const History& history) c
   const double vn = dot(touch.velocity, touch.normal);
   const Vec3 velocity = touch.velocity + cross(touch.normal, touch.surface);
   const double overlap = touch.overlap + half_step * vn;
-  Vec3 spring{history.spring[0], history.spring[1], history.spring[2]};
-  if (setup_.effects.tangential_history) spring += (velocity - touch.normal * vn) * half_step;
-  return (overlap > 0 ? 0.5 * touch.laws->normal_stiffness[touch.kind] * overlap * overlap : 0) +
-         0.5 * touch.laws->tangential_stiffness[touch.kind] * dot(spring, spring);
+  const double normal =
+      overlap > 0 ? 0.5 * touch.laws->normal_stiffness[touch.kind] * overlap * overlap : 0;
+  if (!setup_.effects.tangential_history) return normal;
+  const Vec3 spring = Vec3{history.spring[0], history.spring[1], history.spring[2]} +
+                      (velocity - touch.normal * vn) * half_step;
+  return normal + 0.5 * touch.laws->tangential_stiffness[touch.kind] * dot(spring, spring);
 }
 
 template <typename Visit>
@@ -118,10 +120,14 @@ void BlockEngine::book_unfinished(const Touch& touch, const History& history,
   const Vec3 previous{history.velocity[0], history.velocity[1], history.velocity[2]};
   const Vec3 velocity = touch.velocity + cross(touch.normal, touch.surface);
   const double normal = dot(touch.velocity, touch.normal) * dot(previous, touch.normal);
-  const double tangential = dot(velocity, previous) - normal;
   const double half_step = 0.5 * setup_.time_step;
   const double damping = half_step * touch.laws->normal_damping[touch.kind] * normal;
-  const double friction = half_step * touch.laws->tangential_damping[touch.kind] * tangential;
+  const Vec3 sliding = velocity - touch.normal * dot(touch.velocity, touch.normal);
+  const Vec3 force{history.spring[0], history.spring[1], history.spring[2]};
+  const double friction = setup_.effects.tangential_history
+                              ? half_step * touch.laws->tangential_damping[touch.kind] *
+                                    (dot(velocity, previous) - normal)
+                              : -half_step * dot(force, sliding);
   ledger[EnergyChannel::normal_damping] += damping;
   ledger[EnergyChannel::friction] += friction;
 }

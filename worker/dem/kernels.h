@@ -18,7 +18,7 @@ inline constexpr std::size_t kLanes = 16;
 
 // What a contact remembers, from its first grain to its second.
 struct alignas(32) History {
-  float spring[3] = {};    // tangential elongation [m]
+  float spring[3] = {};    // tangential elongation [m]; without history: tangential force [N]
   float touched = 0;       // 1 when it touched in the last step
   float velocity[3] = {};  // at the contact in the last step [m/s]
   float unused = 0;

@@ -34,9 +34,11 @@ inline Vec select(const Mask& m, const Vec& a, const Vec& b) {
   return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
 }
 
-// Makes the compiler load indices anew: thirty-two of them do not stay in registers, and it would rather
-// spill them than read them again.
-inline void read_again(const std::uint32_t*& indices) { asm("" : "+r"(indices)); }
+// Makes the compiler load indices anew: thirty-two of them do not stay in registers, and it would
+// rather spill them than read them again.
+inline void read_again(const std::uint32_t*& indices) {
+  asm("" : "+r"(indices));
+}
 
 inline std::uint32_t valid_lanes(std::size_t count, std::size_t group_start) {
   const std::size_t left = count - group_start;
@@ -133,11 +135,15 @@ inline void book(const Encounter& c, const Vec& velocity, const Lanes& vn, const
   const Mask before = less(all(0), memory.touched);
   const Lanes previous_n = dot(memory.velocity, c.normal);
   const Lanes twice_n = only(c.touching, vn * vn) + only(before, vn * previous_n);
-  const Lanes twice_t = only(c.touching, dot(sliding, sliding)) +
-                        only(before, dot(velocity, memory.velocity) - vn * previous_n);
   sums.normal_damping = sums.normal_damping + half * lookup(laws.normal_damping, kinds) * twice_n;
-  sums.friction = sums.friction + half * lookup(laws.tangential_damping, kinds) * twice_t * dt;
-  if constexpr (kEffects.tangential_history) {
+  if constexpr (!kEffects.tangential_history) {
+    const Lanes twice_power = only(c.touching, dot(tangential.force, sliding)) +
+                              only(before, dot(memory.spring, sliding));
+    sums.friction = sums.friction - half * twice_power * dt;
+  } else {
+    const Lanes twice_t = only(c.touching, dot(sliding, sliding)) +
+                          only(before, dot(velocity, memory.velocity) - vn * previous_n);
+    sums.friction = sums.friction + half * lookup(laws.tangential_damping, kinds) * twice_t * dt;
     const Lanes held = half * lookup(laws.tangential_stiffness, kinds) *
                        dot(memory.spring, memory.spring + sliding * dt);
     sums.friction = sums.friction + select(c.touching, tangential.spring_loss, only(before, held));
@@ -157,7 +163,8 @@ inline Response respond(const Encounter& c, Memory& memory, const LawTables& law
   const Lanes limit = lookup(laws.friction, kinds) * size;
   const Tangential tangential = slide<kEffects>(c, sliding, memory.spring, limit, laws, kinds, dt);
   book<kEffects>(c, velocity, vn, sliding, memory, tangential, laws, kinds, dt, sums);
-  if constexpr (kEffects.tangential_history) memory.spring = only(c.touching, tangential.spring);
+  memory.spring =
+      only(c.touching, kEffects.tangential_history ? tangential.spring : tangential.force);
   memory.velocity = velocity;
   memory.touched = only(c.touching, all(1));
   sums.overlap_ratio =

@@ -122,7 +122,8 @@ inline Lanes lookup(const float* row, const Kinds& kinds) {
 template <typename Record>
 inline const Record* at(const Record* base, std::uint32_t offset) {
   return reinterpret_cast<const Record*>(reinterpret_cast<const char*>(base) +
-                                         std::size_t{offset} * (sizeof(Record) / sizeof(GrainSurface)));
+                                         std::size_t{offset} *
+                                             (sizeof(Record) / sizeof(GrainSurface)));
 }
 template <typename Record>
 inline Record* at(Record* base, std::uint32_t offset) {

@@ -57,7 +57,9 @@ std::int64_t PlainEngine::insert(std::span<const Grain> grains) {
     body.grain_class = grain.grain_class;
     body.position = map_.position_in(grain.position);
     body.velocity_half = map_.velocity_in(grain.velocity, grain.position);
-    body.spin_half = terms_.spin_half_step_back(map_.spin_in(grain.spin));
+    body.spin_half = setup_.effects.spin ? terms_.spin_half_step_back(map_.spin_in(grain.spin))
+                                         : map_.wall_spin();
+    body.spin_mean = body.spin_half;
     body.carried = grain.carried;
     body.carried_velocity = grain.velocity;
     if (!grain.carried) {
