@@ -29,6 +29,8 @@ std::unique_ptr<core::Simulation> make_engine(const v1::Scene& scene, const core
   throw std::invalid_argument("scenes of kind '" + std::string(kind_of(scene)) + "' cannot be run by this version");
 }
 
+// Both engines give the bits of the portable code on every processor (worker/dem/README.md, worker/dda), so
+// any worker may continue any run.
 run::EngineBuild engine_build() { return {make_engine, "portable"}; }
 
 std::pair<std::string, std::string> split_setting(const std::string& text) {

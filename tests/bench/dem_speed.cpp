@@ -1,14 +1,14 @@
 // Times the DEM engine on a steady state: ns per particle and step, minimum and median of blocks.
-// Usage: dem_speed [--state FILE.csv] [--copies N] [--dt S] [--rpm R] [--threads N] [--path NAME]
-//                  [--warm STEPS] [--steps STEPS] [--blocks N] [--export FILE.data] [--quiet]
-// --state: rows x,y,z,u,v,w in m and m/s (a header line is skipped), a chute of 30 deg, base
-// contact data
-//   of the chute paper, no feed. Without it a dense bed: settled grains in a closed chute at 10
-//   deg.
-// --copies: the state repeated side by side across the chute, to scale it up; < 0: only its first
-// 1/N.
-// --export: the state after warming up as a LAMMPS data file.
 // CPU time for one thread, wall time for more.
+//
+//   --state FILE.csv  rows x,y,z,u,v,w in m and m/s after a header line: a chute of 30 deg with the
+//                     contact data of the chute paper's base case, no feed. Without it a dense bed:
+//                     grains settled in a closed chute, tilted to 10 deg
+//   --closed          the state of a file is such a bed
+//   --copies N        the state N times side by side across the chute; < 0: only its first 1/N
+//   --dt S --rpm R --threads N --path NAME --warm STEPS --steps STEPS --blocks N
+//   --save FILE.csv, --export FILE.data   the state after warming up, for --state and for LAMMPS
+//   --quiet           one line; --samples: nothing but the ns of every block
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -31,6 +31,7 @@ using core::Vec3;
 
 struct Options {
   std::map<std::string, std::string> values;
+  bool has(const std::string& name) const { return values.count(name) != 0; }
   std::string text(const std::string& name, const std::string& otherwise) const {
     const auto it = values.find(name);
     return it == values.end() ? otherwise : it->second;
@@ -45,7 +46,7 @@ Options parse(int argc, char** argv) {
   Options options;
   for (int k = 1; k < argc; ++k) {
     const std::string name = argv[k];
-    if (name == "--quiet")
+    if (name == "--quiet" || name == "--closed" || name == "--samples")
       options.values[name] = "1";
     else if (k + 1 < argc)
       options.values[name] = argv[++k];
@@ -130,6 +131,17 @@ std::vector<dem::Grain> settled_bed(dem::EngineSetup setup, std::size_t count) {
   return grains;
 }
 
+void save_state(const dem::Engine& engine, const std::string& file) {
+  const dem::GrainTable t = engine.grains();
+  std::ofstream out(file);
+  out.precision(17);
+  out << "x_m,y_m,z_m,u_m_s,v_m_s,w_m_s\n";
+  for (std::size_t k = 0; k < t.size(); ++k) {
+    out << t.position[k].x << ',' << t.position[k].y << ',' << t.position[k].z << ','
+        << t.velocity[k].x << ',' << t.velocity[k].y << ',' << t.velocity[k].z << '\n';
+  }
+}
+
 void export_lammps(const dem::Engine& engine, const std::string& file, double width) {
   const dem::GrainTable t = engine.grains();
   std::ofstream out(file);
@@ -182,41 +194,68 @@ void report(const dem::BlockEngine& engine, double per_step) {
   }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const Options options = parse(argc, argv);
-  const double dt = options.number("--dt", 1e-5);
+dem::EngineSetup setup_of(const Options& options) {
   const int copies = static_cast<int>(options.number("--copies", 1));
-  const double width = kWidth * std::max(1, copies);
-  const bool is_bed = options.values.count("--state") == 0;
-  dem::EngineSetup setup = chute_setup(is_bed ? 10 : 30, dt, options.number("--rpm", 0), width);
-  if (is_bed) {
+  const bool is_closed = !options.has("--state") || options.has("--closed");
+  dem::EngineSetup setup = chute_setup(is_closed ? 10 : 30, options.number("--dt", 1e-5),
+                                       options.number("--rpm", 0), kWidth * std::max(1, copies));
+  if (is_closed) {
     setup.walls.push_back({{0.9, 0, 0}, {-1, 0, 0}});
     setup.walls.push_back({{0, 0, 0}, {1, 0, 0}});
   }
   setup.threads = static_cast<unsigned>(options.number("--threads", 1));
-  const std::vector<dem::Grain> grains =
-      scaled(is_bed ? settled_bed(setup, 31000) : read_state(options.text("--state", "")), copies);
-  dem::BlockEngine engine(setup, kernels_named(options.text("--path", "")));
-  engine.insert(grains);
-  engine.advance(static_cast<std::uint64_t>(options.number("--warm", 200)));
-  if (options.values.count("--export") != 0)
-    export_lammps(engine, options.text("--export", ""), width);
+  return setup;
+}
 
-  const auto steps = static_cast<std::uint64_t>(options.number("--steps", 500));
+std::vector<dem::Grain> grains_of(const Options& options, const dem::EngineSetup& setup) {
+  const std::string file = options.text("--state", "");
+  return scaled(file.empty() ? settled_bed(setup, 31000) : read_state(file),
+                static_cast<int>(options.number("--copies", 1)));
+}
+
+// ns per particle and step of every block.
+std::vector<double> timed_blocks(dem::BlockEngine& engine, int blocks, std::uint64_t steps) {
+  const bool is_alone = engine.setup().threads == 1;
   std::vector<double> times;
-  for (int block = 0; block < options.number("--blocks", 5); ++block) {
+  for (int block = 0; block < blocks; ++block) {
     const std::uint64_t before = engine.particle_steps();
-    const double start = seconds(setup.threads == 1);
+    const double start = seconds(is_alone);
     engine.advance(steps);
-    times.push_back(1e9 * (seconds(setup.threads == 1) - start) /
+    times.push_back(1e9 * (seconds(is_alone) - start) /
                     static_cast<double>(engine.particle_steps() - before));
   }
+  return times;
+}
+
+void print(const Options& options, const dem::BlockEngine& engine, std::vector<double> times) {
   if (engine.trouble()) std::printf("trouble: %s\n", engine.trouble()->reason.c_str());
+  if (options.has("--samples")) {
+    for (const double time : times) std::printf("%.2f\n", time);
+    return;
+  }
+  if (times.empty()) return;
   std::sort(times.begin(), times.end());
+  const double median = times[times.size() / 2];
   std::printf("%s %zu grains dt %g threads %u: ns/particle-step min %.2f median %.2f\n",
-              kernels_named(options.text("--path", "")).name, engine.grain_count(), dt,
-              setup.threads, times.front(), times[times.size() / 2]);
-  if (options.values.count("--quiet") == 0) report(engine, times[times.size() / 2]);
+              kernels_named(options.text("--path", "")).name, engine.grain_count(),
+              engine.setup().time_step, engine.setup().threads, times.front(), median);
+  if (!options.has("--quiet")) report(engine, median);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const Options options = parse(argc, argv);
+  const dem::EngineSetup setup = setup_of(options);
+  dem::BlockEngine engine(setup, kernels_named(options.text("--path", "")));
+  engine.insert(grains_of(options, setup));
+  engine.advance(static_cast<std::uint64_t>(options.number("--warm", 200)));
+  if (options.has("--save")) save_state(engine, options.text("--save", ""));
+  if (options.has("--export")) {
+    export_lammps(engine, options.text("--export", ""),
+                  kWidth * std::max(1, static_cast<int>(options.number("--copies", 1))));
+  }
+  print(options, engine,
+        timed_blocks(engine, static_cast<int>(options.number("--blocks", 5)),
+                     static_cast<std::uint64_t>(options.number("--steps", 500))));
 }
