@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "proto/contract/contact_effects.h"
 #include "proto/contract/effects.h"
 #include "proto/contract/field_path.h"
 #include "proto/contract/scene_rules.h"
@@ -207,6 +208,7 @@ class Resolver {
       if (report.chosen_by() == "auto")
         note("effects." + name, report.on() ? "ON" : "OFF", "auto", report.reason());
     }
+    if (out_.scene.has_discharge()) return check_contact_effects(out_.scene);
     return Done{};
   }
 
@@ -238,7 +240,10 @@ std::string job_key(const v1::Scene& resolved) {
 }
 
 std::string filling_key(const v1::Scene& resolved) {
-  if (!resolved.has_discharge() || resolved.discharge().filling() != v1::Discharge::DROP) return "";
+  const auto how = resolved.discharge().filling();
+  if (!resolved.has_discharge() ||
+      (how != v1::Discharge::DROP && how != v1::Discharge::ORDERED_COMPACT))
+    return "";
   static const std::set<std::string> kRotationOnly = {"name",
                                                       "threads",
                                                       "output",

@@ -305,6 +305,9 @@ std::optional<Error> check_discharge(const v1::Discharge& discharge) {
   if (discharge.filling() == v1::Discharge::STORED && discharge.stored_filling().empty())
     return bad("discharge.stored_filling",
                "is missing, filling STORED needs the job it comes from");
+  if (discharge.filling() != v1::Discharge::STORED && discharge.has_stored_filling())
+    return bad("discharge.stored_filling",
+               "= " + discharge.stored_filling() + " stands without discharge.filling: STORED");
   if (discharge.target_size() == 1 || discharge.target_size() == 2)
     return bad("discharge.target", "needs at least 3 points to enclose an opening");
   for (int i = 0; i < discharge.walls_size(); ++i)
@@ -423,6 +426,10 @@ Status validate_scene(const v1::Scene& scene) {
   if (scene.has_discharge()) {
     if (auto error = check_discharge_required(scene.discharge())) return *error;
     if (auto error = check_discharge(scene.discharge())) return *error;
+    if (scene.discharge().filling() == v1::Discharge::STORED && scene.replicates() > 1)
+      return bad("replicates", "= " + std::to_string(scene.replicates()) +
+                                   " is out of range, must be 1 with filling STORED: one filling, "
+                                   "one run");
     return Done{};
   }
   if (scene.has_chute()) {

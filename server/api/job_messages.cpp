@@ -48,6 +48,7 @@ Result<NewJob> to_new_job(const v1::SubmitJobsRequest::Item& item, const std::st
   job.resolved_bytes = resolved->scene.SerializeAsString();
   job.key = job_key(resolved->scene);
   job.filling_key = filling_key(resolved->scene);
+  job.wants_stored_filling = resolved->scene.discharge().filling() == v1::Discharge::STORED;
   job.tags = {item.tags().begin(), item.tags().end()};
   job.priority = item.priority();
   job.owner = owner;

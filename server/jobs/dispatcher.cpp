@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "proto/contract/job_state.h"
+#include "server/jobs/stored_filling.h"
 
 namespace granary::server {
 namespace {
@@ -98,9 +99,17 @@ Result<std::vector<JobId>> Dispatcher::submit(const Submission& submission, Now 
   if (!submission.request_id.empty())
     if (auto earlier = store_.find_request(submission.request_id)) return *earlier;
   if (auto full = queue_is_full(submission)) return *full;
+  std::vector<NewJob> filled;  // those that start from another job's filling
+  for (const NewJob& job : submission.jobs) {
+    if (!job.wants_stored_filling) continue;
+    filled.push_back(job);
+    if (Status status = take_stored_filling(store_, filled.back()); !status) return status.error();
+  }
   std::vector<JobId> ids;
   ids.reserve(submission.jobs.size());
-  for (const NewJob& job : submission.jobs) ids.push_back(insert(job, now));
+  auto next = filled.begin();
+  for (const NewJob& job : submission.jobs)
+    ids.push_back(insert(job.wants_stored_filling ? *next++ : job, now));
   if (!submission.request_id.empty()) store_.put_request(submission.request_id, ids, now.wall_ms);
   fill_slots(now);
   return ids;

@@ -57,6 +57,7 @@ struct NewJob {
   std::string resolved_bytes;
   std::string key;
   std::string filling_key;  // empty: nothing to share
+  bool wants_stored_filling = false;
   std::map<std::string, std::string> tags;
   std::int32_t priority = 0;
   std::string owner;

@@ -72,5 +72,25 @@ TEST_F(Resume, a_speed_sweep_shares_one_filling) {
   EXPECT_EQ(json::parse(alone.out)["state_hash"], json::parse(second.out)["state_hash"]);
 }
 
+TEST_F(Resume, a_job_starts_from_the_filling_of_the_one_it_names) {
+  start_worker();
+  const std::string small = scene("discharge_small");
+  const std::string faster = "discharge.rotation_rad_per_s=9.5";
+  const Outputs submitted = granary({"submit", small, "--wait"});
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.err;
+  const json ordinary = json::parse(granary({"run", small, "--set", faster, "--fresh", "--format", "json"}).out);
+  const auto from = [&](const std::string& job) {
+    return granary({"run", small, "--set", faster, "--set", "discharge.filling=STORED", "--set",
+                    "discharge.stored_filling=" + job, "--format", "json"});
+  };
+  const Outputs stored = from(json::parse(granary({"ls", "--format", "json"}).out).back()["job"]);
+  ASSERT_EQ(stored.exit_code, 0) << stored.err;
+  EXPECT_EQ(json::parse(stored.out)["state_hash"], ordinary["state_hash"]);
+  EXPECT_GT(json::parse(stored.out)["cost"]["reused_s"].get<double>(), 0);
+  const Outputs unknown = from("jobs/4711");
+  EXPECT_NE(unknown.exit_code, 0);
+  EXPECT_THAT(unknown.err, testing::HasSubstr("discharge.stored_filling: jobs/4711 does not exist"));
+}
+
 }  // namespace
 }  // namespace granary::test

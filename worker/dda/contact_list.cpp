@@ -12,4 +12,10 @@ void ActiveContacts::reserve(std::size_t capacity) {
   group_rebounds.resize(capacity / kGroupSize + 1);
 }
 
+void ActiveContacts::reserve_rolling() {
+  if (arm_first.size() == first.size()) return;
+  for (auto* values : {&arm_first, &arm_second, &weight_r, &impulse_r, &rolled, &drift_r})
+    values->resize(first.size());
+}
+
 }  // namespace granary::dda

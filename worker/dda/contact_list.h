@@ -2,9 +2,10 @@
 // that may touch, with the force each carried in the last step (stick memory and warm start). Every
 // step the narrow phase picks those that can act into `ActiveContacts`, the solver's arrays.
 //
-// Both are ordered by colour: no two contacts of one colour share a disk, so a group of
-// kGroupSize contacts is updated at once, with the same result for any vector width. Each colour is
-// padded to whole groups with contacts between the resting record and itself.
+// Both are ordered by colour, in blocks of neighbouring contacts: no two contacts of one colour
+// share a disk, so a group of kGroupSize contacts is updated at once, with the same result for any
+// vector width. Each colour is padded to whole groups with contacts between the resting record and
+// itself.
 #pragma once
 
 #include <cstddef>
@@ -24,6 +25,7 @@ struct CandidateList {
   AlignedVector<std::int32_t> second;       // disk; wall segment in the wall list
   AlignedVector<double> normal_force;       // N, end of the last step, >= 0 without cohesion
   AlignedVector<double> tangential_force;   // N, along the contact tangent (-ny, nx)
+  AlignedVector<double> rolling_force;      // N, torque / radius; 0 without rolling resistance
   std::vector<std::uint32_t> colour_start;  // multiples of kGroupSize; last = size()
 
   std::size_t size() const { return first.size(); }
@@ -54,10 +56,20 @@ struct ActiveContacts {
   AlignedVector<double> rebound;     // m/s, u_n after the gap closes; kNoRebound = no collision
   std::vector<std::uint8_t> group_rebounds;  // per group: some contact of it may collide
   AlignedVector<double> drift_n, drift_t;    // m/s, of walls, against the disk's zero velocity
-  std::size_t size = 0;                      // padded
-  std::size_t contact_count = 0;             // without padding
+
+  // Rolling resistance: torque impulse P_r R on `second`, R = 2 r_1 r_2 / (r_1 + r_2), at walls r.
+  // Empty without it.
+  AlignedVector<double> arm_first, arm_second;  // R / radius
+  AlignedVector<double> weight_r;
+  AlignedVector<double> impulse_r;  // N s
+  AlignedVector<double> rolled;     // m, R times the angle between the bodies since the step began
+  AlignedVector<double> drift_r;    // m/s, R times the spin of walls
+
+  std::size_t size = 0;           // padded
+  std::size_t contact_count = 0;  // without padding
 
   void reserve(std::size_t capacity);
+  void reserve_rolling();  // after reserve()
 };
 
 }  // namespace granary::dda

@@ -14,7 +14,7 @@ ContactMemory::ContactMemory(const CandidateList& list, std::int32_t rest)
   for (std::size_t s = 0; s < list.size(); ++s)
     if (carries(s))
       kept_[start_[static_cast<std::size_t>(list.first[s]) + 1]++] = {
-          list.second[s], list.normal_force[s], list.tangential_force[s]};
+          list.second[s], list.normal_force[s], list.tangential_force[s], list.rolling_force[s]};
 }
 
 void ContactMemory::recall(NewContact& contact) const {
@@ -23,6 +23,7 @@ void ContactMemory::recall(NewContact& contact) const {
     if (kept_[k].second != contact.second) continue;
     contact.normal_force = kept_[k].normal_force;
     contact.tangential_force = kept_[k].tangential_force;
+    contact.rolling_force = kept_[k].rolling_force;
     return;
   }
 }

@@ -19,7 +19,7 @@ class ContactMemory {
  private:
   struct Kept {
     std::int32_t second;
-    double normal_force, tangential_force;
+    double normal_force, tangential_force, rolling_force;
   };
   std::vector<std::uint32_t> start_;  // of each first disk
   std::vector<Kept> kept_;

@@ -1,5 +1,7 @@
 #include "worker/dda/kernels.h"
 
+#include <cstdlib>
+
 namespace granary::dda {
 
 extern const Kernels kPortableKernels;
@@ -21,6 +23,12 @@ std::size_t available_kernels(const Kernels** list, std::size_t capacity) {
     offer(kAvx512Kernels);
 #endif
   return count;
+}
+
+const ContactKernels& Kernels::laws(const ContactEffects& effects) const {
+  const std::size_t index = combination_index(effects);
+  if (index == kCombinationCount) std::abort();  // refused when the scene was read
+  return combination[index];
 }
 
 const Kernels& kernels() {

@@ -1,11 +1,13 @@
-// The loops that cost the time, compiled once per instruction set (kernels_body.h) and chosen at
-// run time. Every variant works on the same groups of kGroupSize lanes with the same operations in
-// the same order and no contraction, so all of them give the same bits.
+// The loops that cost the time, compiled once per instruction set (kernel_*.h) and chosen at run
+// time, and within one once per combination of contact laws (contact_effects.h). Every variant
+// works on the same groups of kGroupSize lanes with the same operations in the same order and no
+// contraction, so all of them give the same bits.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
+#include "worker/dda/contact_effects.h"
 #include "worker/dda/disks.h"
 
 namespace granary::dda {
@@ -35,6 +37,13 @@ struct ContactArrays {
   double* drift_n;
   double* drift_t;
   std::uint8_t* group_rebounds;
+  // Rolling resistance only; see there.
+  double* arm_first;
+  double* arm_second;
+  double* weight_r;
+  double* impulse_r;
+  double* rolled;
+  double* drift_r;
 };
 
 // Borrowed arrays of a CandidateList.
@@ -57,6 +66,9 @@ struct ContactTerms {
   double compliance_n;  // 1 / (K h^2 + c h) [1/kg]
   double compliance_t;
   double friction;               // tan of the friction angle
+  double rolling;                // mu_r
+  double cohesion;               // F_c [N]
+  double cohesion_range;         // m, largest gap of a cohesive contact
   double spin_factor;            // 2 for a disk, 0 with particle rotation switched off
   double relaxation;             // over-relaxation of the sweeps
   double normal_time;            // normals are taken where the velocities lead by then [s]
@@ -68,6 +80,7 @@ struct ContactTerms {
 struct SweepSums {
   double change = 0;
   double total = 0;
+  EffectCounts evaluated;
 };
 
 // Small steps: what a sweep needs besides ContactTerms, and what it adds up.
@@ -84,6 +97,8 @@ struct SmallStepSums {
   double tangential_work = 0;  // sum P_t d_t of the impulses on the disks [N m s]
   double stick_work = 0;       // sum S (S - S before) of the tangential springs' impulses [N2 s2]
   double dashpot_work = 0;     // sum (S - P_t) d_t [N m s]
+  double cohesion = 0, rolling = 0;  // J
+  EffectCounts evaluated;
 };
 // Sums over the contacts of a step.
 struct ContactSums {
@@ -94,22 +109,13 @@ struct ContactSums {
   double worst_overlap = 0;  // m, at the start
 };
 
-struct Kernels {
-  const char* name;
-  // Narrow phase: appends the pairs that can act in this step, colour by colour. `ahead`: positions
-  // that the velocities lead to by the end of the step, radii with the speculative margin. Returns
-  // the padded number of contacts; `contact_count` counts real ones. `touched` gets 1 for their
-  // disks. `picked`: scratch as long as the candidates.
-  std::size_t (*select_pairs)(const CandidateArrays&, const DiskPose*, const DiskMotion*,
-                              const DiskPose* ahead, std::int32_t rest, const ContactTerms&,
-                              const ContactArrays&, std::uint8_t* touched, std::int32_t* picked,
-                              std::size_t* contact_count);
-  // Adds the impulses kept in the contacts to the velocities (warm start).
-  void (*apply_impulses)(const ContactArrays&, std::size_t count, double spin_factor, DiskMotion*);
-  // One projected Gauss-Seidel sweep.
+// Kernels of one combination of contact laws.
+struct ContactKernels {
+  // One projected Gauss-Seidel sweep of a step with one solve; nullptr: not for these laws.
   void (*sweep)(const ContactArrays&, std::size_t count, const ContactTerms&, DiskMotion*,
                 SweepSums*);
-
+  // Adds the impulses kept in the contacts to the velocities (warm start).
+  void (*apply_impulses)(const ContactArrays&, std::size_t count, double spin_factor, DiskMotion*);
   // Small steps. One sweep over pairs or walls. `before`: velocities at the start of the small
   // step.
   void (*small_sweep_pairs)(const ContactArrays&, std::size_t count, const ContactTerms&,
@@ -123,10 +129,26 @@ struct Kernels {
                       const SmallStep&, const DiskShift*, SmallStepSums*, ContactSums*);
   void (*close_walls)(const ContactArrays&, std::size_t count, const ContactTerms&,
                       const SmallStep&, const DiskShift*, SmallStepSums*, ContactSums*);
+};
+
+struct Kernels {
+  const char* name;
+  // Narrow phase: appends the pairs that can act in this step, colour by colour. `ahead`: positions
+  // that the velocities lead to by the end of the step, radii with the speculative margin. Returns
+  // the padded number of contacts; `contact_count` counts real ones. `touched` gets 1 for their
+  // disks. `picked`: scratch as long as the candidates.
+  std::size_t (*select_pairs)(const CandidateArrays&, const DiskPose*, const DiskMotion*,
+                              const DiskPose* ahead, std::int32_t rest, const ContactTerms&,
+                              const ContactArrays&, std::uint8_t* touched, std::int32_t* picked,
+                              std::size_t* contact_count);
   // Moves the disks of `index` through a small step h and starts the next one with the same
   // acceleration (gravity and warm start in one). Returns sum m dv^2 / 2 [J].
   double (*advance_disks)(const std::uint32_t* index, std::size_t count, double small_step,
                           const double* mass, DiskMotion*, DiskMotion* before, DiskShift*);
+  ContactKernels combination[kCombinationCount];  // in the order of kContactCombinations
+
+  // Precondition: the table has this combination.
+  const ContactKernels& laws(const ContactEffects& effects) const;
 };
 
 // The fastest variant that this processor runs.

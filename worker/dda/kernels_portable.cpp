@@ -1,16 +1,8 @@
-#include "worker/dda/kernels_body.h"
+#include "worker/dda/kernel_table.h"
 
 namespace granary::dda {
 
 extern const Kernels kPortableKernels;
-const Kernels kPortableKernels = {"portable",
-                                  select_pairs,
-                                  apply_impulses,
-                                  sweep,
-                                  small_sweep_any<false>,
-                                  small_sweep_any<true>,
-                                  close_contacts<false>,
-                                  close_contacts<true>,
-                                  advance_disks};
+constinit const Kernels kPortableKernels = make_kernels("portable");
 
 }  // namespace granary::dda

@@ -10,6 +10,9 @@ namespace {
 // Slower approaches than this do not bounce: below it resting contacts would chatter.
 constexpr double kRestitutionThreshold = 0.02;  // m/s; a fall of 0.02 mm
 constexpr std::uint32_t kMostSmallSteps = 200;
+// Bridges between disks break at this gap / mean diameter. Well below the speculative margin, so
+// that every bridge is among the contacts of a step.
+constexpr double kCohesionRange = 0.01;
 
 // Damping ratio of the dashpot with which a spring contact rebounds with e (PHYSICS section A1).
 double damping_ratio(double restitution) {
@@ -52,7 +55,7 @@ void append_wall_contact(System& system, const ContactTerms& terms, const WallSt
                                    end.to_body(centre + terms.time_step * velocity), pose.radius);
   const double force = list.normal_force[slot], margin_ratio = system.solver.margin_ratio;
   if (!touch ||
-      !(std::min(touch->gap_start, touch->gap_end) < margin_ratio * pose.radius || force > 0))
+      !(std::min(touch->gap_start, touch->gap_end) < margin_ratio * pose.radius || force != 0))
     return;
 
   const Vec2 normal = end.turn(touch->normal), tangent{-normal.y, normal.x};
@@ -85,7 +88,7 @@ void append_wall_contact(System& system, const ContactTerms& terms, const WallSt
   out.stored_t[k] = stored;
   out.gap_linear[k] = gap_linear;
   out.offset_t[k] = out.curvature[k] = 0;
-  out.rebound[k] = bounces && force == 0 ? -terms.restitution * approach : kNoRebound;
+  out.rebound[k] = bounces && force <= 0 ? -terms.restitution * approach : kNoRebound;
   out.group_rebounds[k / kGroupSize] |= out.rebound[k] != kNoRebound;
   out.drift_n[k] = dot(normal, wall_velocity);
   out.drift_t[k] = dot(tangent, wall_velocity);
@@ -127,6 +130,40 @@ void select_walls(System& system, const ContactTerms& terms) {
   }
 }
 
+// Arms, weights and warm start of the rolling resistance of one list. `wall_spin`: of its walls
+// that move with the bucket [rad/s].
+void arm_list(const System& system, const CandidateList& list, const ContactTerms& terms,
+              double wall_spin, ActiveContacts& out) {
+  const bool walls = &list == &system.lists.walls;
+  out.reserve_rolling();
+  for (std::size_t k = 0; k < out.size; ++k) {
+    out.arm_first[k] = out.arm_second[k] = out.weight_r[k] = 0;
+    out.impulse_r[k] = out.drift_r[k] = out.rolled[k] = 0;
+    if (out.slot[k] < 0) continue;
+    const auto slot = static_cast<std::size_t>(out.slot[k]);
+    const auto first = static_cast<std::size_t>(out.first[k]);
+    const auto second = static_cast<std::size_t>(out.second[k]);
+    const double r1 = system.disks.pose[first].radius, r2 = system.disks.pose[second].radius;
+    const double arm = walls ? r1 : 2 * r1 * r2 / (r1 + r2);
+    out.arm_first[k] = arm / r1;
+    if (!walls) out.arm_second[k] = arm / r2;
+    if (walls && system.walls.segments[static_cast<std::size_t>(list.second[slot])].moves)
+      out.drift_r[k] = arm * wall_spin;
+    const double mobility =
+        terms.spin_factor *
+        (system.disks.motion[first].inverse_mass * out.arm_first[k] * out.arm_first[k] +
+         system.disks.motion[second].inverse_mass * out.arm_second[k] * out.arm_second[k]);
+    out.weight_r[k] = terms.relaxation / mobility;
+    out.impulse_r[k] = terms.small_step * list.rolling_force[slot];
+  }
+}
+
+void arm_rolling(System& system) {
+  arm_list(system, system.lists.pairs, pair_terms(system), 0, system.pair_contacts);
+  arm_list(system, system.lists.walls, wall_terms(system), system.bucket_velocity().turn_rate,
+           system.wall_contacts);
+}
+
 }  // namespace
 
 bool takes_small_steps(const System& system) {
@@ -139,10 +176,11 @@ ContactTerms contact_terms(const System& system, double friction, double reduced
   const std::uint32_t count = small_step_count(system);
   const double h = dt / count;
   const bool small_steps = takes_small_steps(system);
-  const double spin_factor = system.contact.rotation ? 2.0 : 0.0;
+  const ContactEffects& effects = system.contact.effects;
+  const double spin_factor = effects.rotation ? 2.0 : 0.0;
   const double ratio = small_steps ? damping_ratio(system.contact.restitution) : 0;
   const double damping_n = 2 * ratio * std::sqrt(stiffness * reduced_mass);
-  const double damping_t = damping_n / std::sqrt(1 + spin_factor);
+  const double damping_t = effects.history ? damping_n / std::sqrt(1 + spin_factor) : 0;
   return {.time_step = dt,
           .small_step = h,
           .stiffness = stiffness,
@@ -150,8 +188,11 @@ ContactTerms contact_terms(const System& system, double friction, double reduced
           .damping_t = damping_t,
           .compliance = 1 / (stiffness * h * h),
           .compliance_n = 1 / (stiffness * h * h + damping_n * h),
-          .compliance_t = 1 / (stiffness * h * h + damping_t * h),
+          .compliance_t = effects.history ? 1 / (stiffness * h * h + damping_t * h) : 0,
           .friction = friction,
+          .rolling = system.contact.rolling_friction,
+          .cohesion = system.contact.cohesion,
+          .cohesion_range = 2 * kCohesionRange * system.mean_radius,
           .spin_factor = spin_factor,
           .relaxation = small_steps ? 1.0 : system.solver.relaxation,
           .normal_time = small_steps ? dt / 2 : dt,
@@ -168,12 +209,14 @@ ContactTerms wall_terms(const System& system) {
 }
 
 ContactArrays arrays_of(ActiveContacts& c) {
-  return {c.first.data(),    c.second.data(),     c.slot.data(),          c.normal_x.data(),
-          c.normal_y.data(), c.bias_n.data(),     c.bias_t.data(),        c.weight_n.data(),
-          c.weight_t.data(), c.impulse_n.data(),  c.impulse_t.data(),     c.gap_start.data(),
-          c.stored_t.data(), c.gap_linear.data(), c.offset_t.data(),      c.curvature.data(),
-          c.gap_now.data(),  c.stick_t.data(),    c.slide_t.data(),       c.rebound.data(),
-          c.drift_n.data(),  c.drift_t.data(),    c.group_rebounds.data()};
+  return {c.first.data(),      c.second.data(),     c.slot.data(),           c.normal_x.data(),
+          c.normal_y.data(),   c.bias_n.data(),     c.bias_t.data(),         c.weight_n.data(),
+          c.weight_t.data(),   c.impulse_n.data(),  c.impulse_t.data(),      c.gap_start.data(),
+          c.stored_t.data(),   c.gap_linear.data(), c.offset_t.data(),       c.curvature.data(),
+          c.gap_now.data(),    c.stick_t.data(),    c.slide_t.data(),        c.rebound.data(),
+          c.drift_n.data(),    c.drift_t.data(),    c.group_rebounds.data(), c.arm_first.data(),
+          c.arm_second.data(), c.weight_r.data(),   c.impulse_r.data(),      c.rolled.data(),
+          c.drift_r.data()};
 }
 
 void select_contacts(System& system) {
@@ -195,6 +238,7 @@ void select_contacts(System& system) {
       system.ahead.data(), system.disks.rest_index(), pair_terms(system), arrays_of(pairs),
       system.touched.data(), system.picked.data(), &pairs.contact_count);
   select_walls(system, wall_terms(system));
+  if (system.contact.effects.rolling) arm_rolling(system);
   system.report.contacts = pairs.contact_count + system.wall_contacts.contact_count;
 }
 

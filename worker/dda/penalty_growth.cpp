@@ -46,6 +46,7 @@ void change_penalty(System& system, double stiffness) {
   double normal = 0, tangential = 0;  // sums of squared forces
   for (CandidateList* list : {&system.lists.pairs, &system.lists.walls})
     for (std::size_t s = 0; s < list->size(); ++s) {
+      if (list->normal_force[s] < 0) continue;  // a cohesive pull has no overlap
       normal += list->normal_force[s] * list->normal_force[s];
       tangential += list->tangential_force[s] * list->tangential_force[s];
       list->normal_force[s] *= stiffness / before;

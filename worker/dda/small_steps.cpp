@@ -26,7 +26,7 @@ void start_disks(System& system, double small_step) {
 // Both lists of one step, with their terms and sums.
 struct SmallSteps {
   System& system;
-  const Kernels& run = kernels();
+  const ContactKernels& run = kernels().laws(system.contact.effects);
   ContactTerms of_pairs = pair_terms(system), of_walls = wall_terms(system);
   ContactArrays pairs = arrays_of(system.pair_contacts), walls = arrays_of(system.wall_contacts);
   std::size_t pair_count = system.pair_contacts.size, wall_count = system.wall_contacts.size;
@@ -66,12 +66,15 @@ double book_list(const ContactTerms& terms, const SmallStepSums& sums, const Con
   const double damping_t = sums.dashpot_work / h;
   const double friction = sums.friction - sums.tangential_work / h - stick - damping_t;
   const double damping = sums.damping + damping_t;
+  ledger[EnergyChannel::cohesion] += sums.cohesion;
+  ledger[EnergyChannel::rolling] += sums.rolling;
   ledger[EnergyChannel::integrator] += integrator;
   ledger[EnergyChannel::friction] += friction;
   ledger[EnergyChannel::normal_damping] += damping;
   ledger[EnergyChannel::wall_work] += sums.wall_work;
-  ledger.throughput_j +=
-      std::abs(integrator) + std::abs(friction) + std::abs(damping) + std::abs(sums.wall_work);
+  ledger.throughput_j += std::abs(integrator) + std::abs(friction) + std::abs(damping) +
+                         std::abs(sums.wall_work) + std::abs(sums.cohesion) +
+                         std::abs(sums.rolling);
   return 0.5 * terms.stiffness * contacts.overlap2 + tangential_end;
 }
 
@@ -98,7 +101,7 @@ void solve_small_steps(System& system) {
     } while (!steps.converged() && done < most_sweeps);
     all_converged = all_converged && steps.converged();
     sweeps += done;
-    system.kinetic_dissipation += steps.run.advance_disks(
+    system.kinetic_dissipation += kernels().advance_disks(
         system.touched_index.data(), system.touched_index.size(), h, system.mass.data(),
         system.disks.motion.data(), system.motion_before.data(), system.shift.data());
   }
@@ -121,6 +124,8 @@ void close_small_steps(System& system) {
   steps.run.close_walls(steps.walls, steps.wall_count, steps.of_walls, end, system.shift.data(),
                         &system.wall_sums, &walls);
   system.report.worst_overlap = std::max(pairs.worst_overlap, walls.worst_overlap);
+  system.counters.effects.add(system.pair_sums.evaluated);
+  system.counters.effects.add(system.wall_sums.evaluated);
   core::EnergyLedger& ledger = system.ledger;
   if (system.ledger_is_new)
     ledger.stored_at_start_j += elastic_at_start(steps.of_pairs, pairs) +

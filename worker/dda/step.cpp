@@ -4,6 +4,7 @@
 
 #include "worker/dda/impulse_solver.h"
 #include "worker/dda/integrators.h"
+#include "worker/dda/mass_damping.h"
 #include "worker/dda/narrow_phase.h"
 #include "worker/dda/open_close.h"
 #include "worker/dda/penalty_growth.h"
@@ -85,6 +86,7 @@ void step(System& system) {
     small_steps(system, clock);
   else
     one_solve(system, clock);
+  if (system.damping_rate > 0) damp_disks(system);
   grow_penalty(system);
   finish_step(system);
 }

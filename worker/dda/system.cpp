@@ -21,6 +21,7 @@ void note_masses(System& system) {
   double sum = 0;
   for (std::size_t k = 0; k < system.mass.size(); ++k)
     sum += system.mass[k] = 1 / system.disks.motion[k].inverse_mass;
+  system.mean_radius = mean_radius(system.disks);
   system.mean_mass = system.mass.empty() ? 0 : sum / static_cast<double>(system.mass.size());
 }
 

@@ -8,6 +8,7 @@
 
 #include "worker/core/energy_ledger.h"
 #include "worker/dda/belt_drive.h"
+#include "worker/dda/contact_effects.h"
 #include "worker/dda/contact_list.h"
 #include "worker/dda/disks.h"
 #include "worker/dda/kernels.h"
@@ -20,8 +21,10 @@ struct ContactSettings {
   double stiffness = 1e7;     // K_N = K_T [N/m] for the whole axial depth
   double friction_disks = 0;  // tan of the friction angle inside the material
   double friction_walls = 0;
-  double restitution = 0;  // Newton, normal
-  bool rotation = true;    // false: disks never spin
+  double restitution = 0;       // Newton, normal
+  double rolling_friction = 0;  // mu_r: torque <= mu_r r P_n
+  double cohesion = 0;          // F_c [N] for the whole axial depth
+  ContactEffects effects;       // the laws of the kernels that run; a law that is off is not read
 };
 
 enum class SolverMethod : std::uint8_t {
@@ -67,6 +70,7 @@ struct StepCounters {
   std::uint64_t linear_iterations = 0;  // of PCG
   std::uint64_t penalty_growths = 0;
   std::uint64_t drag_evaluations = 0;  // 0 proves that the air is off
+  EffectCounts effects;
 };
 
 // What the last step saw.
@@ -89,6 +93,7 @@ struct System {
   SolverSettings solver;
   PenaltyGrowth penalty;
   double gravity = 9.81;
+  double damping_rate = 0;  // 1/s, C = rate M of the paper's Eq. 3
   double time_step = 2e-4;
 
   Disks disks;
@@ -116,6 +121,7 @@ struct System {
   // Derived from the disks by note_masses().
   std::vector<double> mass;  // kg
   double mean_mass = 0;
+  double mean_radius = 0;
 
   core::EnergyLedger ledger;
   bool ledger_is_new = true;  // overlaps at its start are only seen in its first step

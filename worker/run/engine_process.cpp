@@ -75,6 +75,8 @@ TaskOutcome execute(const v1::TaskAssignment& assignment, const storage::Path& d
                     const EngineBuild& build) {
   Result<TaskSpec> spec = make_task(assignment.scene(), build);
   if (!spec) return refused(spec.error());
+  // The filling of another job (STORED) has that job's key.
+  if (!assignment.filling_key().empty()) spec->filling_key = assignment.filling_key();
   spec->result_path = directory / "result.h5";
   spec->work_directory = directory;
   spec->filling_input = directory / "filling.in";

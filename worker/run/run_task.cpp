@@ -60,7 +60,9 @@ class TaskRun {
     try {
       record_ = std::move(resumed.record);
       frames_.restore(record_.frames);
-      auto simulation = make_simulation(nullptr);
+      const auto filling = replicate() == 0 ? load_filling(files_, spec_, callbacks_.log)
+                                            : std::nullopt;
+      auto simulation = make_simulation(filling ? &filling->state : nullptr);
       simulation->restore(resumed.engine);
       engine_.emplace(std::move(simulation), record_.costs);
       callbacks_.log("resumed at t = " + std::to_string(engine_->now().time_s) + " s");

@@ -133,7 +133,12 @@ std::vector<std::string> warnings_of(const dda::System& system, const DischargeR
 core::Observation DischargeSimulation::observe() const {
   core::Observation seen;
   seen.warnings = warnings_of(system_, record_);
-  seen.effect_evaluations = {{"gas", system_.counters.drag_evaluations}};
+  const dda::EffectCounts& laws = system_.counters.effects;
+  seen.effect_evaluations = {{"gas", system_.counters.drag_evaluations},
+                             {"rolling_friction", laws.rolling},
+                             {"particle_rotation", laws.rotation},
+                             {"tangential_history", laws.history},
+                             {"cohesion", laws.cohesion}};
   if (plan_.bucket) seen.fields.push_back(bucket_table(*plan_.bucket));
   if (!plan_.bucket || phase_ == DischargePhase::filling || record_.initial_count == 0) return seen;
   Values values;

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "proto/contract/contact_effects.h"
+
 namespace granary::scene {
 namespace {
 
@@ -91,6 +93,14 @@ void read_solver(const v1::Discharge& d, DischargePlan& plan) {
                   value_or(d.penalty().has_tolerance(), d.penalty().tolerance(), 0.01)};
 }
 
+dda::ContactEffects effects_of(const v1::Scene& scene) {
+  const ContactEffectSet chosen = contact_effects(scene);
+  return {.rotation = chosen.particle_rotation,
+          .history = chosen.tangential_history,
+          .cohesion = chosen.cohesion,
+          .rolling = chosen.rolling_friction};
+}
+
 void read_contact(const v1::Scene& scene, double depth, DischargePlan& plan) {
   const v1::Discharge& d = scene.discharge();
   const double stiffness =
@@ -99,7 +109,10 @@ void read_contact(const v1::Scene& scene, double depth, DischargePlan& plan) {
                   .friction_disks = std::tan(radians(d.friction_pp_deg())),
                   .friction_walls = std::tan(radians(d.friction_pw_deg())),
                   .restitution = d.normal_restitution(),
-                  .rotation = scene.effects().particle_rotation() != v1::Effects::OFF};
+                  .rolling_friction = d.rolling_friction_coefficient(),
+                  .cohesion = depth * d.cohesion_n_per_m(),
+                  .effects = effects_of(scene)};
+  plan.damping_rate = d.damping_per_s();
   plan.filling_stiffness =
       depth * value_or(d.has_filling_stiffness_n_per_m(), d.filling_stiffness_n_per_m(), stiffness);
   read_solver(d, plan);
@@ -137,24 +150,13 @@ void read_motion(const v1::Discharge& d, DischargePlan& plan) {
   if (d.has_duration_s()) plan.duration = d.duration_s();
 }
 
-// What the scene format offers and this engine does not do yet is refused, never ignored.
-void refuse_unbuilt(const v1::Discharge& d) {
-  const auto refuse = [](bool asked, const char* field) {
-    if (asked) throw std::invalid_argument(std::string(field) + " is not built yet");
-  };
-  refuse(d.solver().integrator() != v1::Solver::BACKWARD_EULER && d.normal_restitution() > 0,
-         "discharge.normal_restitution with a Newmark integrator");
-  refuse(d.cohesion_n_per_m() > 0, "discharge.cohesion_n_per_m");
-  refuse(d.rolling_friction_coefficient() > 0, "discharge.rolling_friction_coefficient");
-  refuse(d.damping_per_s() > 0, "discharge.damping_per_s");
-}
-
 }  // namespace
 
 DischargePlan make_discharge_plan(const v1::Scene& resolved) {
   if (!resolved.has_discharge()) throw std::invalid_argument("the scene is no discharge");
+  if (const Status fits = check_contact_effects(resolved); !fits)
+    throw std::invalid_argument(fits.error().message);
   const v1::Discharge& d = resolved.discharge();
-  refuse_unbuilt(d);
   DischargePlan plan;
   const double depth =
       value_or(d.particles().has_axial_depth_m(), d.particles().axial_depth_m(), 1);

@@ -23,6 +23,7 @@ struct DischargePlan {
   dda::PenaltyGrowth penalty;      // during the rotation
   double filling_tolerance = 0.3;
   double gravity = 9.81;
+  double damping_rate = 0;  // 1/s
 
   std::optional<dda::BucketGeometry> bucket;
   std::optional<dda::StillAir> air;  // effects.gas ON

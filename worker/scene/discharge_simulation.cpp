@@ -74,6 +74,7 @@ DischargeSimulation::DischargeSimulation(DischargePlan plan, const core::State* 
     : plan_(std::move(plan)) {
   system_.contact = plan_.contact;
   system_.gravity = plan_.gravity;
+  system_.damping_rate = plan_.damping_rate;
   system_.drive.pulley_radius = plan_.pulley_radius;
   if (plan_.bucket) {
     system_.walls.add_chain(plan_.bucket->outer_wall, true);
@@ -90,7 +91,8 @@ DischargeSimulation::DischargeSimulation(DischargePlan plan, const core::State* 
     filling_ = *stored_filling;
     begin_motion();
   } else if (plan_.filling == DischargePlan::Filling::stored) {
-    throw std::invalid_argument("filling STORED needs the stored filling");
+    throw std::invalid_argument(
+        "discharge.stored_filling: the filling is not there; jobs of a server bring it along");
   } else {
     begin_filling();
   }

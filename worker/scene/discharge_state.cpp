@@ -58,6 +58,7 @@ void put_list(const std::string& name, const dda::CandidateList& list, State& st
   state.put(make_column<std::int32_t>(name + "_second", "1", std::span(list.second)));
   state.put(make_column<double>(name + "_normal_force", "N", std::span(list.normal_force)));
   state.put(make_column<double>(name + "_tangential_force", "N", std::span(list.tangential_force)));
+  state.put(make_column<double>(name + "_rolling_force", "N", std::span(list.rolling_force)));
   state.put(name + "_colour_start", "1", list.colour_start);
 }
 
@@ -72,9 +73,10 @@ void get_list(const State& state, const std::string& name, dda::CandidateList& l
   get_values<std::int32_t>(state, name + "_second", list.second);
   get_values<double>(state, name + "_normal_force", list.normal_force);
   get_values<double>(state, name + "_tangential_force", list.tangential_force);
+  get_values<double>(state, name + "_rolling_force", list.rolling_force);
   list.colour_start = state.get<std::uint32_t>(name + "_colour_start");
   if (list.second.size() != list.size() || list.normal_force.size() != list.size() ||
-      list.tangential_force.size() != list.size())
+      list.tangential_force.size() != list.size() || list.rolling_force.size() != list.size())
     throw std::runtime_error("state: the columns of " + name + " differ in length");
 }
 
@@ -111,6 +113,7 @@ dda::CandidateList carrying(const dda::CandidateList& list,
     kept.second.push_back(second);
     kept.normal_force.push_back(list.normal_force[s]);
     kept.tangential_force.push_back(list.tangential_force[s]);
+    kept.rolling_force.push_back(list.rolling_force[s]);
   }
   return kept;
 }
@@ -167,11 +170,12 @@ void store_system(const dda::System& system, State& state) {
                                 system.report.worst_overlap});
   const dda::StepCounters& c = system.counters;
   state.put("system_counters", "1",
-            std::vector<std::uint64_t>{c.steps, c.disk_steps, c.sweeps, c.contact_updates,
-                                       c.unconverged_steps, system.belt_runs ? 1u : 0u,
-                                       system.report.contacts, c.open_close_iterations,
-                                       c.linear_iterations, c.penalty_growths,
-                                       system.ledger_is_new ? 1u : 0u, c.drag_evaluations});
+            std::vector<std::uint64_t>{
+                c.steps, c.disk_steps, c.sweeps, c.contact_updates, c.unconverged_steps,
+                system.belt_runs ? 1u : 0u, system.report.contacts, c.open_close_iterations,
+                c.linear_iterations, c.penalty_growths, system.ledger_is_new ? 1u : 0u,
+                c.drag_evaluations, c.effects.rotation, c.effects.history, c.effects.cohesion,
+                c.effects.rolling});
   put_records<dda::DiskAcceleration>(state, "contact_acceleration", "m/s2, m/s2, m/s2",
                                      system.contact_acceleration);
   put_ledger(system.ledger, state);
@@ -192,7 +196,7 @@ void load_system(const State& state, dda::System& system) {
   const auto list_numbers = state.get<double>("list_numbers");
   const auto numbers = state.get<double>("system_numbers");
   const auto counters = state.get<std::uint64_t>("system_counters");
-  if (list_numbers.size() != 5 || numbers.size() != 6 || counters.size() != 12)
+  if (list_numbers.size() != 5 || numbers.size() != 6 || counters.size() != 16)
     throw std::runtime_error("state: it comes from another version");
   reference.age = list_numbers[0];
   reference.horizon = list_numbers[1];
@@ -208,8 +212,11 @@ void load_system(const State& state, dda::System& system) {
   system.drive.rotation_rate = numbers[3];
   system.report.kinetic_energy = numbers[4];
   system.report.worst_overlap = numbers[5];
-  system.counters = {counters[0], counters[1], counters[2], counters[3], counters[4],
-                     counters[7], counters[8], counters[9], counters[11]};
+  system.counters = {counters[0],  counters[1],
+                     counters[2],  counters[3],
+                     counters[4],  counters[7],
+                     counters[8],  counters[9],
+                     counters[11], {counters[12], counters[13], counters[14], counters[15]}};
   system.ledger_is_new = counters[10] != 0;
   get_records<dda::DiskAcceleration>(state, "contact_acceleration", system.contact_acceleration);
   system.belt_runs = counters[5] != 0;

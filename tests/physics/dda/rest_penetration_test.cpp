@@ -17,7 +17,7 @@ System resting_disk(double angle, double friction) {
   System system;
   system.contact.stiffness = kStiffness;
   system.contact.friction_walls = friction;
-  system.contact.rotation = angle == 0;
+  system.contact.effects.rotation = angle == 0;
   system.solver.tolerance = 1e-12;
   add_plane(system, angle, 1);
   add_disk(system, {-kRadius * std::sin(angle), kRadius * std::cos(angle)}, kRadius, 1000);

@@ -39,7 +39,7 @@ WallLine outer_line(double tilt, double rotation_rate) {
 System turning(double rotation_rate, bool spins) {
   System system;
   system.contact.friction_walls = kFriction;
-  system.contact.rotation = spins;
+  system.contact.effects.rotation = spins;
   system.drive = {.rotation_rate = rotation_rate, .pulley_radius = kPulley};
   system.belt_runs = true;
   system.solver.tolerance = 1e-10;

@@ -132,7 +132,7 @@ Thrown throw_from(const std::vector<Vec2>& relative_wall, double w, double start
   const Path path(wall);
   System system;
   system.contact.friction_walls = kFriction;
-  system.contact.rotation = false;
+  system.contact.effects.rotation = false;
   system.contact.stiffness = 1e6;
   system.drive = {.rotation_rate = w, .pulley_radius = kPulley};
   system.belt_runs = true;

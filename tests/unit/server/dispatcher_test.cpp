@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "proto/contract/resolve.h"
+#include "proto/contract/scene_text.h"
 #include "server/store/database.h"
 #include "server/store/sqlite_job_store.h"
 
@@ -11,6 +13,7 @@ namespace granary::server {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 
 class FakeLink : public WorkerLink {
  public:
@@ -370,6 +373,53 @@ TEST_F(DispatcherTest, a_filling_is_shared_under_its_own_key_only) {
   for (const auto& message : a->sent)
     if (message.has_assign()) second = message.assign();
   EXPECT_EQ(second.filling().sha256(), "settled");
+}
+
+// A job that fills a bucket of `wall_m`, and one that starts from what it filled.
+NewJob filling_job(const std::string& stored_filling, const std::string& wall_m = "0.08") {
+  const auto scene = load_scene(
+      "discharge { particles { count: 20 diameter_min_m: 0.004 density_kg_per_m3: 730 } "
+      "friction_pp_deg: 30 friction_pw_deg: 30 rotation_rad_per_s: 5 bucket { tip_x_m: -" +
+          wall_m + " } " + stored_filling + "}",
+      "scene", {});
+  const auto resolved = resolve(*scene);
+  NewJob job;
+  job.kind = "discharge";
+  job.resolved_bytes = resolved->scene.SerializeAsString();
+  job.filling_key = filling_key(resolved->scene);
+  job.wants_stored_filling = !stored_filling.empty();
+  job.key = job_key(resolved->scene);
+  return job;
+}
+
+TEST_F(DispatcherTest, a_stored_filling_is_that_of_the_job_named) {
+  const NewJob maker = filling_job("");
+  const JobId source = dispatcher.submit({{maker}, ""}, now)->at(0);
+  const std::string stored = "filling: STORED stored_filling: \"" + job_name(source) + "\"";
+  const auto refusal = [&](const NewJob& job) {
+    const auto ids = dispatcher.submit({{job}, ""}, now);
+    EXPECT_FALSE(ids.ok());
+    EXPECT_EQ(ids.error().field_path, "discharge.stored_filling");
+    return ids.error().message;
+  };
+  EXPECT_THAT(refusal(filling_job(stored)), HasSubstr("has not stored its filling"));
+  EXPECT_THAT(refusal(filling_job("filling: STORED stored_filling: \"jobs/99\"")),
+              HasSubstr("jobs/99 does not exist"));
+  EXPECT_THAT(refusal(filling_job("filling: STORED stored_filling: \"mine\"")),
+              HasSubstr("is no job"));
+  auto a = connect("a");
+  v1::FillingStored message;
+  message.set_task(a->last_task());
+  message.set_filling_key(maker.filling_key);
+  message.mutable_artifact()->set_sha256("settled");
+  dispatcher.filling_stored("a", message, now);
+  EXPECT_THAT(refusal(filling_job(stored, "0.1")), HasSubstr("another discharge.bucket"));
+  finish("a", a->last_task());
+  const JobId user = dispatcher.submit({{filling_job(stored)}, ""}, now)->at(0);
+  settle();
+  EXPECT_EQ(a->sent.back().assign().job(), job_name(user));
+  EXPECT_EQ(a->sent.back().assign().filling().sha256(), "settled");
+  EXPECT_EQ(a->sent.back().assign().filling_key(), maker.filling_key);
 }
 
 TEST_F(DispatcherTest, a_draining_worker_gets_nothing_new) {

@@ -40,6 +40,10 @@ TEST(Colouring, puts_no_disk_twice_into_one_colour) {
   expect_proper(random_contacts(300, 900), 300);
 }
 
+TEST(Colouring, colours_long_lists_block_by_block) {
+  expect_proper(random_contacts(6000, 20000), 6000);
+}
+
 TEST(Colouring, copes_with_a_disk_that_has_more_than_64_contacts) {
   std::vector<NewContact> star;
   for (std::int32_t k = 1; k <= 100; ++k) star.push_back({0, k, 1, 0});

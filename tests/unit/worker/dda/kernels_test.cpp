@@ -56,6 +56,9 @@ ContactTerms terms_of_heap() {
           .compliance_n = 1 / (stiffness * h * h + damping * h),
           .compliance_t = 1 / (stiffness * h * h + damping * h / 2),
           .friction = 0.7,
+          .rolling = 0.1,
+          .cohesion = 0.5,
+          .cohesion_range = 4e-5,
           .spin_factor = 2,
           .relaxation = 1.2,
           .normal_time = 1e-4,
@@ -94,9 +97,9 @@ Outcome solve(const Kernels& variant) {
   const ContactArrays arrays = arrays_of(heap.active);
   DiskMotion* motion = heap.disks.motion.data();
   Outcome outcome;
-  variant.apply_impulses(arrays, heap.active.size, heap.terms.spin_factor, motion);
+  variant.laws({}).apply_impulses(arrays, heap.active.size, heap.terms.spin_factor, motion);
   for (int k = 0; k < 5; ++k)
-    variant.sweep(arrays, heap.active.size, heap.terms, motion, &outcome.sums);
+    variant.laws({}).sweep(arrays, heap.active.size, heap.terms, motion, &outcome.sums);
   outcome.motion = heap.disks.motion;
   outcome.impulses = heap.active.impulse_n;
   return outcome;
@@ -115,18 +118,19 @@ Outcome solve_by_small_steps(const Kernels& variant) {
   }
   Outcome outcome;
   outcome.shift.resize(heap.disks.count() + 1);
-  variant.apply_impulses(arrays, count, heap.terms.spin_factor, heap.disks.motion.data());
+  variant.laws({}).apply_impulses(arrays, count, heap.terms.spin_factor, heap.disks.motion.data());
   for (int s = 0; s < 4; ++s) {
     SmallStep small{s * heap.terms.small_step, true, s > 0};
     for (int k = 0; k < 2; ++k, small.first_sweep = false)
-      variant.small_sweep_pairs(arrays, count, heap.terms, small, outcome.shift.data(),
-                                heap.disks.motion.data(), before.data(), &outcome.small_sums);
+      variant.laws({}).small_sweep_pairs(arrays, count, heap.terms, small, outcome.shift.data(),
+                                         heap.disks.motion.data(), before.data(),
+                                         &outcome.small_sums);
     outcome.dissipation +=
         variant.advance_disks(index.data(), index.size(), heap.terms.small_step, mass.data(),
                               heap.disks.motion.data(), before.data(), outcome.shift.data());
   }
-  variant.close_pairs(arrays, count, heap.terms, {heap.terms.time_step, true, true},
-                      outcome.shift.data(), &outcome.small_sums, &outcome.contact_sums);
+  variant.laws({}).close_pairs(arrays, count, heap.terms, {heap.terms.time_step, true, true},
+                               outcome.shift.data(), &outcome.small_sums, &outcome.contact_sums);
   outcome.motion = before;
   outcome.impulses = heap.active.impulse_n;
   outcome.gaps = heap.active.gap_now;

@@ -1,0 +1,346 @@
+// Kernels of the small steps (small_steps.h), one body for every combination of contact laws.
+#pragma once
+
+#include "worker/dda/kernel_one_solve.h"
+
+namespace granary::dda {
+namespace {
+
+// Relative displacement of the bodies since the start of the step, in the contact's axes.
+struct Slide {
+  Lanes tangential;  // m, between the surfaces
+  Lanes gap;         // m, now
+  Lanes rolled;      // m, by turning against each other, at the radius R of add_rolling
+};
+
+template <bool kWall, ContactEffects kEffects>
+[[gnu::always_inline]] inline Slide slide_of(const ContactArrays& contact, std::size_t g, Lanes nx,
+                                             Lanes ny, double elapsed, const DiskShift* shift) {
+  const Records first = fetch(shift, contact.first + g);
+  const Records second = kWall ? Records{} : fetch(shift, contact.second + g);
+  const Lanes dx = second.a - first.a, dy = second.b - first.b;
+  Lanes normal = dx * nx + dy * ny, across = dy * nx - dx * ny;
+  Slide slide;
+  if constexpr (kWall) {
+    normal += load(contact.drift_n + g) * elapsed;
+    across += load(contact.drift_t + g) * elapsed;
+  }
+  slide.gap = load(contact.gap_linear + g) + normal;
+  if constexpr (!kWall) {
+    const Lanes side = load(contact.offset_t + g) + across;
+    slide.gap += load(contact.curvature + g) * side * side;
+  }
+  slide.tangential = across - (first.c + second.c);
+  if constexpr (kEffects.rolling) {
+    slide.rolled = -(load(contact.arm_first + g) * first.c);
+    if constexpr (kWall)
+      slide.rolled += load(contact.drift_r + g) * elapsed;
+    else
+      slide.rolled += load(contact.arm_second + g) * second.c;
+  }
+  return slide;
+}
+
+struct LaneSums {
+  Lanes change = {}, total = {}, integrator = {}, damping = {}, wall_work = {};
+  Lanes tangential_work = {}, stick_work = {}, dashpot_work = {}, friction = {};
+  Lanes cohesion = {}, rolling = {};
+  EffectCounts evaluated;
+
+  void add_to(SmallStepSums& sums) const {
+    for (std::size_t k = 0; k < kGroupSize; ++k) {
+      sums.change += change[k];
+      sums.total += total[k];
+      sums.integrator += integrator[k];
+      sums.damping += damping[k];
+      sums.wall_work += wall_work[k];
+      sums.tangential_work += tangential_work[k];
+      sums.stick_work += stick_work[k];
+      sums.dashpot_work += dashpot_work[k];
+      sums.friction += friction[k];
+      sums.cohesion += cohesion[k];
+      sums.rolling += rolling[k];
+    }
+    sums.evaluated.add(evaluated);
+  }
+};
+
+// The pull h F_c that a contact bears while its gap is within the range.
+template <ContactEffects kEffects>
+[[gnu::always_inline]] inline Lanes bond_of(Lanes gap, const ContactTerms& terms) {
+  if constexpr (kEffects.cohesion)
+    return either(gap < terms.cohesion_range, all(terms.cohesion * terms.small_step), Lanes{});
+  return Lanes{};
+}
+
+// Books the normal impulse P of a finished small step; its spring went from overlap o0 to o1. The
+// dashpot took c (o1 - o0)^2 / h, and P / h over the distance before the gap closed; a contact that
+// lets go, all that was left in its spring; cohesion what a pull did. What the impulse did besides,
+// because the sweeps ended before the law was met, is the integrator's.
+template <ContactEffects kEffects>
+[[gnu::always_inline]] inline void book_normal(const ContactTerms& terms, Lanes gap_before,
+                                               Lanes gap, Lanes impulse_n, LaneSums& sums) {
+  const double per_step = 1 / terms.small_step;
+  const Lanes overlap = larger(-gap, Lanes{}), overlap_before = larger(-gap_before, Lanes{});
+  const Lanes stretch = overlap - overlap_before;
+  const Lanes by_law = (terms.damping_n * per_step) * (stretch * stretch) +
+                       impulse_n * larger(gap_before, Lanes{}) * per_step;
+  Lanes by_work = impulse_n * (gap_before - gap) * per_step - terms.stiffness * overlap * stretch;
+  if constexpr (kEffects.cohesion) {
+    const Lanes pull = either(impulse_n < 0.0, impulse_n * (gap_before - gap) * per_step, Lanes{});
+    sums.cohesion += pull;
+    by_work -= pull;
+  }
+  const Lanes damping = either(impulse_n > 0.0, by_law, by_work);
+  sums.damping += damping;
+  sums.integrator += (by_work - damping) + (0.5 * terms.stiffness) * (stretch * stretch);
+}
+
+// Books the tangential impulse of a finished small step. That of a sticking contact is the
+// spring's and the dashpot's; the spring's part is returned for the next small step. Without
+// history there is no spring.
+template <ContactEffects kEffects>
+[[gnu::always_inline]] inline Lanes book_tangential(const ContactTerms& terms, Lanes moved,
+                                                    Lanes limit, Lanes impulse_t,
+                                                    Lanes stick_before, LaneSums& sums) {
+  sums.tangential_work += impulse_t * moved;
+  if constexpr (!kEffects.history) return impulse_t;
+  const Mask sticks = (impulse_t < limit) & (impulse_t > -limit);
+  const Lanes spring = within(impulse_t + terms.damping_t * moved, limit);
+  const Lanes stick = either(sticks, spring, impulse_t);
+  sums.dashpot_work += (stick - impulse_t) * moved;
+  sums.stick_work += stick * (stick - stick_before);
+  return stick;
+}
+
+template <bool kWall, ContactEffects kEffects>
+[[gnu::always_inline]] inline Lanes book_small_step(const ContactArrays& contact, std::size_t g,
+                                                    const ContactTerms& terms, const Slide& slide,
+                                                    LaneSums& sums) {
+  const Lanes impulse_n = load(contact.impulse_n + g), impulse_t = load(contact.impulse_t + g);
+  const Lanes gap_before = load(contact.gap_now + g);
+  book_normal<kEffects>(terms, gap_before, slide.gap, impulse_n, sums);
+  const Lanes moved = slide.tangential - load(contact.slide_t + g);
+  const Lanes limit = terms.friction * (impulse_n + bond_of<kEffects>(gap_before, terms));
+  const Lanes stick =
+      book_tangential<kEffects>(terms, moved, limit, impulse_t, load(contact.stick_t + g), sums);
+  if constexpr (kEffects.rolling) {
+    const Lanes impulse_r = load(contact.impulse_r + g);
+    sums.rolling -= impulse_r * (slide.rolled - load(contact.rolled + g)) / terms.small_step;
+    if constexpr (kWall) sums.wall_work += impulse_r * load(contact.drift_r + g);
+  }
+  if constexpr (kWall)
+    sums.wall_work += impulse_n * load(contact.drift_n + g) + impulse_t * load(contact.drift_t + g);
+  return stick;
+}
+
+// The bodies of one group of contacts, and how fast they turn against each other.
+template <bool kWall>
+struct RollingArms {
+  Lanes first, second, drift;
+  RollingArms(const ContactArrays& contact, std::size_t g)
+      : first(load(contact.arm_first + g)),
+        second(kWall ? Lanes{} : load(contact.arm_second + g)),
+        drift(kWall ? load(contact.drift_r + g) : Lanes{}) {}
+  Lanes speed(const Records& a, const Records& b) const {
+    return second * b.c - first * a.c + drift;
+  }
+};
+
+// Collisions as jumps of the velocities: a contact that closes in this small step for the first
+// time gets the rigid impulse that leaves it with its rebound speed, and the friction impulse that
+// stops its sliding within Coulomb's limit. The velocities at the start of the small step jump too,
+// so that the jump is neither taken for an acceleration nor for a work along the way.
+template <bool kWall, ContactEffects kEffects>
+[[gnu::always_inline]] inline void rebound(const ContactArrays& contact, std::size_t g,
+                                           const ContactTerms& terms, Lanes gap, Lanes nx, Lanes ny,
+                                           Records& first, Records& second, DiskMotion* before,
+                                           LaneSums& sums) {
+  const Lanes wanted = load(contact.rebound + g);
+  const Lanes drift_n = kWall ? load(contact.drift_n + g) : Lanes{};
+  const Lanes drift_t = kWall ? load(contact.drift_t + g) : Lanes{};
+  const auto normal_speed = [&](const Records& a, const Records& b) {
+    return (b.a - a.a) * nx + (b.b - a.b) * ny + drift_n;
+  };
+  const auto sliding_speed = [&](const Records& a, const Records& b) {
+    return surface_speed(a, b, nx, ny) + drift_t;
+  };
+  const Lanes un = normal_speed(first, second), ut = sliding_speed(first, second);
+  const Mask collides = (wanted > kNoRebound) & (gap + un * terms.small_step < 0.0);
+  const Lanes mobility_n = first.d + second.d;
+  const Lanes mobility_t = (1.0 + terms.spin_factor) * mobility_n;
+  const Lanes impulse_n = either(collides, (wanted - un) / mobility_n, Lanes{});
+  const Lanes impulse_t =
+      either(collides, within(-ut / mobility_t, terms.friction * impulse_n), Lanes{});
+  add_impulse<kEffects>(first, second, nx, ny, impulse_n, impulse_t, terms.spin_factor);
+
+  Records first_before = fetch(before, contact.first + g);
+  Records second_before = kWall ? Records{} : fetch(before, contact.second + g);
+  sums.damping -= impulse_n * normal_speed(first_before, second_before) +
+                  0.5 * impulse_n * impulse_n * mobility_n;
+  sums.friction -= impulse_t * sliding_speed(first_before, second_before) +
+                   0.5 * impulse_t * impulse_t * mobility_t;
+  if constexpr (kWall) sums.wall_work += impulse_n * drift_n + impulse_t * drift_t;
+  add_impulse<kEffects>(first_before, second_before, nx, ny, impulse_n, impulse_t,
+                        terms.spin_factor);
+  if constexpr (kEffects.rolling) {
+    const RollingArms<kWall> arms(contact, g);
+    const Lanes mobility_r = terms.spin_factor * (first.d * arms.first * arms.first +
+                                                  second.d * arms.second * arms.second);
+    const Lanes impulse_r =
+        either(collides, within(-arms.speed(first, second) / mobility_r, terms.rolling * impulse_n),
+               Lanes{});
+    sums.rolling -= impulse_r * arms.speed(first_before, second_before) +
+                    0.5 * impulse_r * impulse_r * mobility_r;
+    if constexpr (kWall) sums.wall_work += impulse_r * arms.drift;
+    add_rolling(first, second, arms.first, arms.second, impulse_r, terms.spin_factor);
+    add_rolling(first_before, second_before, arms.first, arms.second, impulse_r, terms.spin_factor);
+  }
+  put_back(before, contact.first + g, first_before);
+  if constexpr (!kWall) put_back(before, contact.second + g, second_before);
+  store(contact.rebound + g, either(collides, all(kNoRebound), wanted));
+}
+
+// Rolling resistance: stops the bodies turning against each other within mu_r times what presses
+// them together.
+template <bool kWall>
+[[gnu::always_inline]] inline void resist_rolling(const ContactArrays& contact, std::size_t g,
+                                                  const ContactTerms& terms, Lanes pressed,
+                                                  Records& first, Records& second, LaneSums& sums) {
+  const RollingArms<kWall> arms(contact, g);
+  const Lanes old_r = load(contact.impulse_r + g);
+  const Lanes new_r = within(old_r - arms.speed(first, second) * load(contact.weight_r + g),
+                             terms.rolling * pressed);
+  const Lanes change_r = new_r - old_r;
+  add_rolling(first, second, arms.first, arms.second, change_r, terms.spin_factor);
+  store(contact.impulse_r + g, new_r);
+  sums.change += change_r * change_r;
+  sums.total += new_r * new_r;
+}
+
+template <ContactEffects kEffects>
+[[gnu::always_inline]] inline void count_evaluations(EffectCounts& evaluated) {
+  if constexpr (kEffects.rotation) ++evaluated.rotation;
+  if constexpr (kEffects.history) ++evaluated.history;
+  if constexpr (kEffects.cohesion) ++evaluated.cohesion;
+  if constexpr (kEffects.rolling) ++evaluated.rolling;
+}
+
+template <bool kWall, bool kFirst, ContactEffects kEffects>
+void small_sweep(const ContactArrays& contact, std::size_t count, const ContactTerms& terms,
+                 const SmallStep& small, const DiskShift* shift, DiskMotion* motion,
+                 DiskMotion* before, LaneSums& sums) {
+  const double per_step = 1 / terms.small_step;
+  const double recovery = terms.compliance_n / terms.compliance;
+  for (std::size_t g = 0; g < count; g += kGroupSize) {
+    const Lanes nx = load(contact.normal_x + g), ny = load(contact.normal_y + g);
+    const Lanes old_n = load(contact.impulse_n + g), old_t = load(contact.impulse_t + g);
+    Lanes stick = old_t, gap;
+    if constexpr (kFirst) {
+      const Slide slide = slide_of<kWall, kEffects>(contact, g, nx, ny, small.elapsed, shift);
+      gap = slide.gap;
+      if (small.books) stick = book_small_step<kWall, kEffects>(contact, g, terms, slide, sums);
+      store(contact.gap_now + g, gap);
+      store(contact.slide_t + g, slide.tangential);
+      if constexpr (kEffects.history) store(contact.stick_t + g, stick);
+      if constexpr (kEffects.rolling) store(contact.rolled + g, slide.rolled);
+    } else {
+      gap = load(contact.gap_now + g);
+      if constexpr (kEffects.history) stick = load(contact.stick_t + g);
+    }
+    Records first = fetch(motion, contact.first + g);
+    Records second = kWall ? Records{} : fetch(motion, contact.second + g);
+    if (contact.group_rebounds[g / kGroupSize])
+      rebound<kWall, kEffects>(contact, g, terms, gap, nx, ny, first, second, before, sums);
+    Lanes un = (second.a - first.a) * nx + (second.b - first.b) * ny;
+    Lanes ut = surface_speed(first, second, nx, ny);
+    if constexpr (kWall) un += load(contact.drift_n + g), ut += load(contact.drift_t + g);
+    const Lanes bond = bond_of<kEffects>(gap, terms);
+    const Lanes bias = gap * either(gap > 0.0, all(per_step), all(per_step * recovery));
+    const Lanes new_n =
+        larger(old_n - (un + bias + terms.compliance_n * old_n) * load(contact.weight_n + g),
+               Lanes{} - bond);
+    Lanes pressed = new_n;
+    if constexpr (kEffects.cohesion) pressed += bond;
+    Lanes wanted_t = ut;
+    if constexpr (kEffects.history) wanted_t += terms.compliance_t * (old_t - stick);
+    const Lanes new_t =
+        within(old_t - wanted_t * load(contact.weight_t + g), terms.friction * pressed);
+    const Lanes change_n = new_n - old_n, change_t = new_t - old_t;
+    add_impulse<kEffects>(first, second, nx, ny, change_n, change_t, terms.spin_factor);
+    if constexpr (kEffects.rolling)
+      resist_rolling<kWall>(contact, g, terms, pressed, first, second, sums);
+    store(contact.impulse_n + g, new_n);
+    store(contact.impulse_t + g, new_t);
+    put_back(motion, contact.first + g, first);
+    if constexpr (!kWall) put_back(motion, contact.second + g, second);
+    sums.change += change_n * change_n + change_t * change_t;
+    sums.total += new_n * new_n + new_t * new_t;
+    count_evaluations<kEffects>(sums.evaluated);
+  }
+}
+
+template <bool kWall, ContactEffects kEffects>
+void small_sweep_any(const ContactArrays& contact, std::size_t count, const ContactTerms& terms,
+                     const SmallStep& small, const DiskShift* shift, DiskMotion* motion,
+                     DiskMotion* before, SmallStepSums* sums) {
+  LaneSums lanes;
+  if (small.first_sweep)
+    small_sweep<kWall, true, kEffects>(contact, count, terms, small, shift, motion, before, lanes);
+  else
+    small_sweep<kWall, false, kEffects>(contact, count, terms, small, shift, motion, before, lanes);
+  lanes.add_to(*sums);
+}
+
+template <bool kWall, ContactEffects kEffects>
+void close_contacts(const ContactArrays& contact, std::size_t count, const ContactTerms& terms,
+                    const SmallStep& small, const DiskShift* shift, SmallStepSums* sums,
+                    ContactSums* contact_sums) {
+  LaneSums lanes;
+  Lanes overlap2 = {}, overlap2_start = {}, stored2 = {}, stick2 = {}, worst = {};
+  for (std::size_t g = 0; g < count; g += kGroupSize) {
+    const Lanes nx = load(contact.normal_x + g), ny = load(contact.normal_y + g);
+    const Slide slide = slide_of<kWall, kEffects>(contact, g, nx, ny, small.elapsed, shift);
+    const Lanes stick = book_small_step<kWall, kEffects>(contact, g, terms, slide, lanes);
+    const Lanes overlap = larger(-slide.gap, Lanes{});
+    const Lanes overlap_start = larger(-load(contact.gap_start + g), Lanes{});
+    overlap2 += overlap * overlap;
+    overlap2_start += overlap_start * overlap_start;
+    if constexpr (kEffects.history) {
+      store(contact.impulse_t + g, stick);
+      const Lanes stored = load(contact.stored_t + g);
+      stored2 += stored * stored;
+      stick2 += stick * stick;
+    }
+    worst = larger(worst, overlap_start);
+  }
+  lanes.add_to(*sums);
+  for (std::size_t k = 0; k < kGroupSize; ++k) {
+    contact_sums->overlap2 += overlap2[k];
+    contact_sums->overlap2_start += overlap2_start[k];
+    contact_sums->stored2 += stored2[k];
+    contact_sums->stick2 += stick2[k];
+    if (worst[k] > contact_sums->worst_overlap) contact_sums->worst_overlap = worst[k];
+  }
+}
+
+// Moves the disks through a small step; see Kernels.
+double advance_disks(const std::uint32_t* index, std::size_t count, double small_step,
+                     const double* mass, DiskMotion* motion, DiskMotion* before, DiskShift* shift) {
+  Quad sum = {};
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::uint32_t i = index[k];
+    Quad& v = *reinterpret_cast<Quad*>(motion + i);
+    Quad& old = *reinterpret_cast<Quad*>(before + i);
+    Quad& moved = *reinterpret_cast<Quad*>(shift + i);
+    const Quad end = v, gain = end - old;
+    moved += small_step * end;
+    sum += mass[i] * (gain * gain);
+    old = end;
+    v = end + gain;
+  }
+  return 0.5 * (sum[0] + sum[1] + 0.5 * sum[2]);
+}
+
+}  // namespace
+}  // namespace granary::dda
