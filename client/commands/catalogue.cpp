@@ -21,6 +21,9 @@ void add_all_verbs(CommandLine& line) {
   add_fetch(line);
   add_export(line);
   add_verify(line);
+  add_query(line);
+  add_sweep(line);
+  add_study(line);
   add_health(line);
   add_config(line);
   add_completion(line);

@@ -8,6 +8,8 @@
 #include <string>
 
 #include "granary/v1/job.grpc.pb.h"
+#include "granary/v1/query.grpc.pb.h"
+#include "granary/v1/study.grpc.pb.h"
 #include "granary/v1/worker.grpc.pb.h"
 #include "proto/contract/result.h"
 
@@ -37,6 +39,8 @@ class Connection {
 
   v1::Jobs::Stub& jobs() { return *jobs_; }
   v1::Workers::Stub& workers() { return *workers_; }
+  v1::Studies::Stub& studies() { return *studies_; }
+  v1::Query::Stub& query() { return *query_; }
   const std::string& address() const { return address_; }
 
  private:
@@ -47,6 +51,8 @@ class Connection {
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::Jobs::Stub> jobs_;
   std::unique_ptr<v1::Workers::Stub> workers_;
+  std::unique_ptr<v1::Studies::Stub> studies_;
+  std::unique_ptr<v1::Query::Stub> query_;
 };
 
 Error error_from(const grpc::Status& status);

@@ -47,6 +47,8 @@ class Session::Link {
   std::mt19937_64 random_{std::random_device{}()};
 };
 
+std::string random_id();
+
 // Seconds after which a refusing server wants to be asked again; gRPC's own name for it.
 std::optional<double> server_retry_delay_s(const grpc::ClientContext& context);
 

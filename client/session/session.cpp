@@ -34,6 +34,8 @@ bool stays_on_this_machine(const std::string& address) {
   return false;
 }
 
+}  // namespace
+
 std::string random_id() {
   std::random_device device;
   std::ostringstream id;
@@ -41,8 +43,6 @@ std::string random_id() {
   for (int i = 0; i < 4; ++i) id << device();
   return id.str();
 }
-
-}  // namespace
 
 std::optional<double> server_retry_delay_s(const grpc::ClientContext& context) {
   const auto& trailing = context.GetServerTrailingMetadata();

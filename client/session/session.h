@@ -13,6 +13,8 @@
 #include "client/session/interrupt.h"
 #include "client/session/settings.h"
 #include "granary/v1/job.pb.h"
+#include "granary/v1/query.pb.h"
+#include "granary/v1/study.pb.h"
 #include "granary/v1/worker.pb.h"
 #include "proto/contract/result.h"
 
@@ -23,6 +25,8 @@ enum class NoticeLevel { normal, detail };
 using Notice = std::function<void(NoticeLevel, std::string_view)>;
 
 using EventSink = std::function<void(const v1::JobEvent&)>;
+using StudySink = std::function<void(const v1::Study&)>;
+using RowsSink = std::function<Status(const v1::QueryRows&)>;
 using ChunkSink = std::function<Status(const v1::DownloadChunk&)>;
 
 class Session {
@@ -51,6 +55,25 @@ class Session {
   // returns the ended job; nothing after an interrupt. Gives up after five minutes without contact.
   Result<std::optional<v1::Job>> watch(const std::string& name, const EventSink& sink,
                                        Interrupt& interrupt);
+
+  // ---- studies (studies.cpp)
+
+  // A request without request_id gets a random one, so that a repeat submits nothing twice.
+  Result<v1::Study> submit_study(v1::SubmitStudyRequest request);
+  Result<v1::Study> get_study(const std::string& name);
+  Result<v1::ListStudiesResponse> list_studies(const v1::ListStudiesRequest& request);
+  Result<v1::Study> pause_study(const std::string& name);
+  Result<v1::Study> resume_study(const std::string& name);
+  Result<v1::Study> extend_study(const v1::ExtendStudyRequest& request);
+  Result<v1::Study> cancel_study(const v1::CancelStudyRequest& request);
+  Result<std::vector<v1::Trial>> trials(const std::string& name);  // all pages
+  // As watch(): the study whenever it has changed, until it has ended.
+  Result<std::optional<v1::Study>> watch_study(const std::string& name, const StudySink& sink,
+                                               Interrupt& interrupt);
+
+  // ---- queries (studies.cpp). Rows that were handed on are not taken back by a later error.
+  Status query(const v1::QueryRequest& request, const RowsSink& sink);
+  Result<v1::GetSchemaResponse> query_schema();
 
   // One pass over the result file from `offset_bytes`. The caller resumes: see fetch.h.
   Status download(const std::string& name, std::uint64_t offset_bytes, const ChunkSink& sink);

@@ -9,6 +9,11 @@ Now system_now() {
           duration_cast<milliseconds>(std::chrono::steady_clock::now().time_since_epoch()).count()};
 }
 
+std::string owner_of(const grpc::CallbackServerContext& context) {
+  const auto names = context.auth_context()->FindPropertyValues("granary-owner");
+  return names.empty() ? "local" : std::string(names[0].data(), names[0].size());
+}
+
 grpc::Status to_grpc(const Status& status) {
   if (status.ok()) return grpc::Status::OK;
   const Error& error = status.error();

@@ -12,6 +12,7 @@
 #include "server/artifacts/artifact_store.h"
 #include "server/jobs/dispatcher.h"
 #include "server/store/owner_thread.h"
+#include "server/studies/study_director.h"
 
 namespace granary::server {
 
@@ -22,11 +23,16 @@ struct Backend {
   Dispatcher& dispatcher;  // owner thread only
   JobStore& store;         // owner thread only
   ArtifactStore& artifacts;
+  StudyDirector& studies;   // owner thread only
+  StudyStore& study_store;  // owner thread only
   std::atomic<std::int64_t> last_use_ms{
       0};  // steady; users only, workers do not keep a server alive
 
   void touch() { last_use_ms = system_now().steady_ms; }
 };
+
+// Who holds the token of this call; without tokens everybody on this machine is "local".
+std::string owner_of(const grpc::CallbackServerContext& context);
 
 grpc::Status to_grpc(const Status& status);
 

@@ -1,7 +1,6 @@
 #include "server/api/job_messages.h"
 
-#include "proto/contract/resolve.h"
-#include "proto/contract/scene_rules.h"
+#include "server/jobs/new_job.h"
 
 namespace granary::server {
 namespace {
@@ -32,6 +31,7 @@ v1::Job to_message(const JobRecord& job) {
   message.set_time_limit_s(job.time_limit_s);
   message.set_reused(job.reused);
   message.set_timed_out(job.timed_out);
+  if (job.study != 0) message.set_study(study_name(job.study));
   if (!job.result_sha256.empty()) {
     message.mutable_result()->set_sha256(job.result_sha256);
     message.mutable_result()->set_size_bytes(job.result_bytes);
@@ -40,21 +40,15 @@ v1::Job to_message(const JobRecord& job) {
 }
 
 Result<NewJob> to_new_job(const v1::SubmitJobsRequest::Item& item, const std::string& owner) {
-  auto resolved = resolve(item.scene());
-  if (!resolved) return resolved.error();
-  NewJob job;
-  job.kind = kind_of(item.scene());
-  job.scene_bytes = item.scene().SerializeAsString();
-  job.resolved_bytes = resolved->scene.SerializeAsString();
-  job.key = job_key(resolved->scene);
-  job.filling_key = filling_key(resolved->scene);
-  job.wants_stored_filling = resolved->scene.discharge().filling() == v1::Discharge::STORED;
+  auto made = new_job_of(item.scene());
+  if (!made) return made.error();
+  NewJob& job = *made;
   job.tags = {item.tags().begin(), item.tags().end()};
   job.priority = item.priority();
   job.owner = owner;
   job.time_limit_s = item.time_limit_s();
   job.fresh = item.fresh();
-  return job;
+  return made;
 }
 
 }  // namespace granary::server

@@ -38,12 +38,6 @@ Status fill(const Result<JobRecord>& job, v1::Job* response) {
   return Done{};
 }
 
-// Who holds the token of this call; without tokens everybody on this machine is "local".
-std::string owner_of(const grpc::CallbackServerContext& context) {
-  const auto names = context.auth_context()->FindPropertyValues("granary-owner");
-  return names.empty() ? "local" : std::string(names[0].data(), names[0].size());
-}
-
 Result<Submission> read_submission(const v1::SubmitJobsRequest& request, const std::string& owner) {
   if (request.items_size() == 0)
     return Error{ErrorCode::invalid_argument, "items is empty: nothing to submit", "items"};

@@ -36,6 +36,10 @@ StoredArtifact to_stored(const v1::Artifact& artifact) {
   return {artifact.sha256(), artifact.size_bytes()};
 }
 
+std::string_view state_text(const Worker& worker) {
+  return !worker.link ? "lost" : worker.draining ? "draining" : "connected";
+}
+
 // It becomes a file of that name on another worker: nothing that could leave its folder.
 bool is_plain_file_name(const std::string& name) {
   return !name.empty() && name.size() <= 64 && name[0] != '.' &&
@@ -48,12 +52,16 @@ bool is_plain_file_name(const std::string& name) {
 Dispatcher::Dispatcher(JobStore& store, QueueLimits limits) : store_(store), limits_(limits) {}
 
 void Dispatcher::reload(Now now) {
-  if (epoch_ == 0) epoch_ = store_.next_epoch();
+  if (epoch_ == 0) {
+    epoch_ = store_.next_epoch();
+    store_.mark_workers_lost();
+  }
   leases_.clear();
   for (const TaskRecord& task : store_.open_tasks())
     leases_.grant(task.id, task.job, task.worker, now.steady_ms);
   tally_.load(store_.waiting_by_owner(), store_.count_running());
   effects_.clear();
+  studies_to_advance_.clear();
   slots_may_be_free_ = true;
 }
 
@@ -113,6 +121,14 @@ Result<std::vector<JobId>> Dispatcher::submit(const Submission& submission, Now 
   if (!submission.request_id.empty()) store_.put_request(submission.request_id, ids, now.wall_ms);
   fill_slots(now);
   return ids;
+}
+
+Result<JobId> Dispatcher::submit_trial(NewJob job, Now now) {
+  if (job.wants_stored_filling)
+    if (Status status = take_stored_filling(store_, job); !status) return status.error();
+  const JobId id = insert(job, now);
+  fill_slots(now);
+  return id;
 }
 
 Result<JobRecord> Dispatcher::find(JobId id) {
@@ -199,6 +215,7 @@ void Dispatcher::worker_connected(const v1::WorkerHello& hello, std::shared_ptr<
                                   Now now) {
   if (auto old = registry_.connect(hello, std::move(link), now.steady_ms))
     effects_.push_back([old = std::move(old)] { old->close(); });
+  record_worker(hello.worker_id(), now);
   v1::ServerMessage welcome;
   welcome.mutable_welcome()->set_heartbeat_s(kHeartbeatMs / 1000.0);
   welcome.mutable_welcome()->set_lease_s(kLeaseMs / 1000.0);
@@ -222,13 +239,18 @@ void Dispatcher::worker_connected(const v1::WorkerHello& hello, std::shared_ptr<
 
 void Dispatcher::worker_disconnected(const std::string& worker_id, const WorkerLink* link,
                                      Now now) {
-  if (registry_.disconnect(worker_id, link)) leases_.shorten(worker_id, now.steady_ms);
+  if (!registry_.disconnect(worker_id, link)) return;
+  leases_.shorten(worker_id, now.steady_ms);
+  record_worker(worker_id, now);
 }
 
 void Dispatcher::heartbeat(const std::string& worker_id, const v1::WorkerHeartbeat& message,
                            Now now) {
   registry_.seen(worker_id, now.steady_ms);
-  registry_.set_draining(worker_id, message.draining());
+  if (const Worker* worker = registry_.find(worker_id); worker && worker->draining != message.draining()) {
+    registry_.set_draining(worker_id, message.draining());
+    record_worker(worker_id, now);
+  }
   for (const v1::HeldTask& task : message.held()) {
     const auto id = task_id_from(task.task());
     if (id && !leases_.renew(*id, worker_id, now.steady_ms)) drop(worker_id, *id);
@@ -288,6 +310,7 @@ void Dispatcher::task_finished(const std::string& worker_id, const v1::TaskFinis
     job.result_bytes = message.artifact().size_bytes();
   }
   if (message.has_result()) store_.put_result(job.id, message.result());
+  if (end == ExecutionEnd::complete) store_.put_series(job.id, message.series());
   store_.append_logs(job.id, {message.log_lines().begin(), message.log_lines().end()});
   end_execution(std::move(job), end, message.message(), now);
   acknowledge(worker_id, *task);
@@ -358,6 +381,7 @@ void Dispatcher::fill_slots(Now now) {
 
 void Dispatcher::store_state(JobRecord& job, const std::string& message, Now now) {
   store_.update_job(job);
+  if (job.study != 0 && is_final(job.state)) studies_to_advance_.insert(job.study);
   const EventRecord record{next_sequence(), now.wall_ms, job.state, message};
   store_.append_event(job.id, record);
   effects_.push_back([this, id = job.id, state = job.state, event = to_event(record)] {
@@ -380,7 +404,10 @@ void Dispatcher::tick(Now now) {
     drop(lease.worker, lease.task);
     // Silent for a whole lease: a stream that still looks open leads nowhere.
     if (Worker* worker = registry_.find(lease.worker); worker && worker->link)
+    {
       effects_.push_back([link = std::exchange(worker->link, nullptr)] { link->close(); });
+      record_worker(lease.worker, now);
+    }
   }
   registry_.forget_older_than(now.steady_ms - kForgetLostWorkerMs);
   fill_slots(now);
@@ -388,6 +415,15 @@ void Dispatcher::tick(Now now) {
 
 bool Dispatcher::idle() const {
   return tally_.waiting() == 0 && tally_.running() == 0 && hub_.watcher_count() == 0;
+}
+
+void Dispatcher::record_worker(const std::string& worker_id, Now now) {
+  const Worker* worker = registry_.find(worker_id);
+  if (!worker) return;
+  const v1::WorkerHello& hello = worker->hello;
+  store_.put_worker({worker_id, hello.host(), hello.pid(), hello.slots(),
+                     std::string(state_text(*worker)), hello.engine_version(), hello.vector_path(),
+                     now.wall_ms});
 }
 
 std::vector<v1::WorkerInfo> Dispatcher::list_workers(Now now) {
@@ -398,7 +434,7 @@ std::vector<v1::WorkerInfo> Dispatcher::list_workers(Now now) {
     info.set_host(worker.hello.host());
     info.set_slots(worker.hello.slots());
     info.set_busy(busy_slots(worker));
-    info.set_state(!worker.link ? "lost" : worker.draining ? "draining" : "connected");
+    info.set_state(std::string(state_text(worker)));
     info.set_seconds_since_seen(static_cast<double>(now.steady_ms - worker.seen_ms) / 1000.0);
     info.set_engine_version(worker.hello.engine_version());
     info.set_vector_path(worker.hello.vector_path());

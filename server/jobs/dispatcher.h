@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,8 @@ class Dispatcher {
 
   // ---- users
   Result<std::vector<JobId>> submit(const Submission& submission, Now now);
+  // Jobs of a study: bounded by the study itself, so the limits of the queue do not apply.
+  Result<JobId> submit_trial(NewJob job, Now now);
   Result<JobRecord> cancel(JobId id, Now now);
   Result<JobRecord> retry(JobId id, Now now);
   Status remove(JobId id);
@@ -66,6 +69,9 @@ class Dispatcher {
   const QueueTally& tally() const { return tally_; }
   std::uint32_t free_slots();
 
+  // Studies whose jobs have ended since the last call.
+  std::set<StudyId> take_studies_to_advance() { return std::exchange(studies_to_advance_, {}); }
+
   // Effects of the present batch, to be run after its commit or dropped.
   std::vector<std::function<void()>> take_effects() { return std::exchange(effects_, {}); }
 
@@ -80,6 +86,7 @@ class Dispatcher {
   void send(const std::string& worker_id, v1::ServerMessage message);
   void drop(const std::string& worker_id, TaskId task);
   void acknowledge(const std::string& worker_id, TaskId task);
+  void record_worker(const std::string& worker_id, Now now);
   std::uint32_t busy_slots(const Worker& worker) const;
   std::uint64_t next_sequence() { return (epoch_ << 40) + ++events_; }
 
@@ -92,6 +99,7 @@ class Dispatcher {
   std::uint64_t epoch_ = 0;
   std::uint64_t events_ = 0;
   bool slots_may_be_free_ = true;
+  std::set<StudyId> studies_to_advance_;
   std::vector<std::function<void()>> effects_;
 };
 

@@ -40,7 +40,12 @@ class JobStore {
 
   virtual void put_result(JobId job, const v1::Result& result) = 0;
   virtual std::optional<v1::Result> find_result(JobId job) = 0;
-  virtual void share_result(JobId from, JobId to) = 0;
+  virtual void share_result(JobId from, JobId to) = 0;  // and the series
+  virtual void put_series(JobId job, const v1::SeriesList& series) = 0;
+
+  // The last thing known of every worker; at a start nobody is connected.
+  virtual void put_worker(const WorkerRecord& worker) = 0;
+  virtual void mark_workers_lost() = 0;
 
   // What another worker needs to continue; cleared when the job ends.
   virtual void put_resume_files(JobId job, const std::vector<ResumeFileRecord>& files) = 0;

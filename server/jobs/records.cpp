@@ -16,6 +16,12 @@ std::optional<std::int64_t> id_after(const std::string& name, std::string_view p
 
 }  // namespace
 
+std::string study_name(StudyId id) {
+  return "studies/" + std::to_string(id);
+}
+std::optional<StudyId> study_id_from(const std::string& name) {
+  return id_after(name, "studies/");
+}
 std::string job_name(JobId id) {
   return "jobs/" + std::to_string(id);
 }

@@ -15,6 +15,7 @@
 namespace granary::server {
 
 using JobId = std::int64_t;
+using StudyId = std::int64_t;
 using TaskId = std::int64_t;  // grows with every execution: it is the fencing token
 
 // Both clocks, taken once per request: policy never asks for the time itself.
@@ -49,6 +50,7 @@ struct JobRecord {
   double time_limit_s = 0;
   std::string result_sha256;
   std::uint64_t result_bytes = 0;
+  StudyId study = 0;  // 0 = submitted by itself
 };
 
 struct NewJob {
@@ -63,6 +65,7 @@ struct NewJob {
   std::string owner;
   double time_limit_s = 0;
   bool fresh = false;
+  StudyId study = 0;
 };
 
 struct TaskRecord {
@@ -70,6 +73,17 @@ struct TaskRecord {
   JobId job = 0;
   std::string worker;
   std::int64_t started_ms = 0;
+};
+
+struct WorkerRecord {
+  std::string id;
+  std::string host;
+  std::int64_t pid = 0;
+  std::uint32_t slots = 0;
+  std::string state;  // "connected", "draining", "lost"
+  std::string engine_version;
+  std::string vector_path;
+  std::int64_t seen_ms = 0;  // wall
 };
 
 struct EventRecord {
@@ -98,6 +112,8 @@ struct ListFilter {
   std::uint32_t limit = 100;
 };
 
+std::string study_name(StudyId id);
+std::optional<StudyId> study_id_from(const std::string& name);  // "studies/3"
 std::string job_name(JobId id);
 std::optional<JobId> job_id_from(const std::string& name);  // "jobs/17"
 std::string task_name(TaskId id);

@@ -14,7 +14,7 @@ constexpr std::array<std::pair<Role, std::string_view>, 4> kRoles = {
     {{Role::read, "read"}, {Role::submit, "submit"}, {Role::worker, "worker"}, {Role::admin, "admin"}}};
 
 // The least role that may call; every RPC stands here, a test walks the descriptors.
-constexpr std::array<std::pair<std::string_view, Role>, 15> kCalls = {{
+constexpr std::array<std::pair<std::string_view, Role>, 26> kCalls = {{
     {"/granary.v1.Jobs/Submit", Role::submit},
     {"/granary.v1.Jobs/Get", Role::read},
     {"/granary.v1.Jobs/List", Role::read},
@@ -26,6 +26,17 @@ constexpr std::array<std::pair<std::string_view, Role>, 15> kCalls = {{
     {"/granary.v1.Jobs/GetLogs", Role::read},
     {"/granary.v1.Jobs/Download", Role::read},
     {"/granary.v1.Jobs/GetServerInfo", Role::read},
+    {"/granary.v1.Studies/Submit", Role::submit},
+    {"/granary.v1.Studies/Get", Role::read},
+    {"/granary.v1.Studies/List", Role::read},
+    {"/granary.v1.Studies/Watch", Role::read},
+    {"/granary.v1.Studies/Pause", Role::submit},
+    {"/granary.v1.Studies/Resume", Role::submit},
+    {"/granary.v1.Studies/Extend", Role::submit},
+    {"/granary.v1.Studies/Cancel", Role::submit},
+    {"/granary.v1.Studies/ListTrials", Role::read},
+    {"/granary.v1.Query/Run", Role::read},
+    {"/granary.v1.Query/GetSchema", Role::read},
     {"/granary.v1.Workers/Synchronize", Role::worker},
     {"/granary.v1.Workers/Upload", Role::worker},
     {"/granary.v1.Workers/FetchArtifact", Role::worker},

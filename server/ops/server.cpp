@@ -14,11 +14,14 @@
 #include <unordered_set>
 
 #include "server/api/jobs_service.h"
+#include "server/api/query_service.h"
+#include "server/api/studies_service.h"
 #include "server/api/workers_service.h"
 #include "server/ops/data_lock.h"
 #include "server/ops/listen_address.h"
 #include "server/store/database.h"
 #include "server/store/sqlite_job_store.h"
+#include "server/store/study_table.h"
 
 namespace granary::server {
 namespace {
@@ -35,13 +38,18 @@ class RunningServer : public Server {
         lock_(std::move(lock)),
         database_(config.data / "granary.db"),
         store_(database_.connection()),
+        study_store_(database_.connection()),
         dispatcher_(store_, {}),
+        studies_(study_store_, store_, dispatcher_),
         artifacts_(config.data / "artifacts"),
         owner_(database_, hooks()),
-        backend_{owner_, dispatcher_, store_, artifacts_, {system_now().steady_ms}},
+        backend_{owner_,   dispatcher_,  store_,
+                 artifacts_, studies_, study_store_, {system_now().steady_ms}},
         jobs_(backend_),
-        workers_(backend_) {
-    owner_.post([this] { dispatcher_.reload(system_now()); }, nullptr);
+        workers_(backend_),
+        studies_service_(backend_),
+        query_(backend_, config.data / "granary.db") {
+    owner_.post([this] { reload(); }, nullptr);
   }
   ~RunningServer() override { drain(); }
 
@@ -63,6 +71,8 @@ class RunningServer : public Server {
     builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
     builder.RegisterService(&jobs_);
     builder.RegisterService(&workers_);
+    builder.RegisterService(&studies_service_);
+    builder.RegisterService(&query_);
     const ::mode_t mask = ::umask(0077);  // the socket file is for this user only
     grpc_ = builder.BuildAndStart();
     ::umask(mask);
@@ -97,8 +107,11 @@ class RunningServer : public Server {
  private:
   OwnerThread::Hooks hooks() {
     OwnerThread::Hooks hooks;
+    hooks.before_commit = [this] { studies_.work(system_now()); };
     hooks.after_commit = [this] {
       for (const auto& effect : dispatcher_.take_effects()) effect();
+      for (const auto& effect : studies_.take_effects()) effect();
+      if (studies_.has_work()) owner_.post([] {}, nullptr);
     };
     hooks.after_failed_commit = [this] { recover(); };
     hooks.on_tick = [this] { tick(); };
@@ -109,16 +122,21 @@ class RunningServer : public Server {
     const Now now = system_now();
     dispatcher_.tick(now);
     if (config_.idle_exit_s <= 0) return;
-    if (!dispatcher_.idle()) backend_.touch();
+    if (!dispatcher_.idle() || !studies_.idle()) backend_.touch();
     if (static_cast<double>(now.steady_ms - backend_.last_use_ms) > 1000 * config_.idle_exit_s)
       wants_to_exit_ = true;
+  }
+
+  void reload() {
+    dispatcher_.reload(system_now());
+    studies_.reload();
   }
 
   // A commit has failed (disk full): memory forgets what never became true.
   void recover() {
     spdlog::error("commit failed, accepting nothing until the disk has room");
     try {
-      dispatcher_.reload(system_now());
+      reload();
     } catch (const std::exception& error) {
       spdlog::critical("the database cannot be read: {}", error.what());
     }
@@ -151,19 +169,24 @@ class RunningServer : public Server {
     auto* health = grpc_->GetHealthCheckService();
     health->SetServingStatus(serving);
     health->SetServingStatus("granary.v1.Jobs", serving);
-    health->SetServingStatus("granary.v1.Workers", serving);
+    for (const char* service : {"Workers", "Studies", "Query"})
+      health->SetServingStatus(std::string("granary.v1.") + service, serving);
   }
 
   ServerConfig config_;
   DataLock lock_;
   Database database_;
   SqliteJobStore store_;
+  StudyTable study_store_;
   Dispatcher dispatcher_;
+  StudyDirector studies_;
   ArtifactStore artifacts_;
   OwnerThread owner_;
   Backend backend_;
   JobsService jobs_;
   WorkersService workers_;
+  StudiesService studies_service_;
+  QueryService query_;
   std::unique_ptr<grpc::Server> grpc_;
   std::string address_;
   std::atomic<bool> wants_to_exit_ = false;

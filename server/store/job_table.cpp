@@ -10,7 +10,7 @@ constexpr std::int64_t kPriorityMs = 600'000;
 const std::string kColumns =
     "id, kind, state, priority, owner, key, filling_key, submitted_ms, started_ms, ended_ms, attempts, "
     "lost_workers, engine_crashes, task, cancel_requested, worker, error, timed_out, reused, "
-    "time_limit_s, result_sha256, result_bytes";
+    "time_limit_s, result_sha256, result_bytes, study";
 
 JobRecord read_job(SQLite::Statement& row) {
   JobRecord job;
@@ -37,6 +37,7 @@ JobRecord read_job(SQLite::Statement& row) {
   job.time_limit_s = row.getColumn(i++).getDouble();
   job.result_sha256 = row.getColumn(i++).getString();
   job.result_bytes = static_cast<std::uint64_t>(row.getColumn(i++).getInt64());
+  job.study = row.getColumn(i++).getInt64();
   if (row.getColumnCount() > i) {
     job.scene_bytes = row.getColumn(i++).getString();
     job.resolved_bytes = row.getColumn(i++).getString();
@@ -50,7 +51,8 @@ JobTable::JobTable(SQLite::Database& c)
     : connection_(c),
       insert_(c,
               "INSERT INTO job (kind, state, rank, priority, owner, key, scene, resolved, "
-              "submitted_ms, time_limit_s, filling_key) VALUES (?, 1, ?, ?, ?, ?, ?, ?, ?, ?, ?)"),
+              "submitted_ms, time_limit_s, filling_key, study) "
+              "VALUES (?, 1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"),
       insert_tag_(c, "INSERT INTO job_tag (job, name, value) VALUES (?, ?, ?)"),
       find_(c, "SELECT " + kColumns + ", scene, resolved FROM job WHERE id = ?"),
       update_(
@@ -79,6 +81,7 @@ JobId JobTable::insert(const NewJob& job, std::int64_t submitted_ms) {
   row->bind(8, submitted_ms);
   row->bind(9, job.time_limit_s);
   row->bind(10, job.filling_key);
+  row->bind(11, job.study);
   row->exec();
   const JobId id = connection_.getLastInsertRowid();
   for (const auto& [name, value] : job.tags) {

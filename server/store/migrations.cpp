@@ -117,7 +117,108 @@ CREATE TABLE filling (
 ) WITHOUT ROWID;
 )sql";
 
-constexpr std::array<const char*, 2> kMigrations = {kFirst, kResume};
+// Studies with their trials, and what the views of the query door read.
+constexpr const char* kStudies = R"sql(
+ALTER TABLE job ADD COLUMN study INTEGER NOT NULL DEFAULT 0;
+CREATE INDEX job_by_study ON job(study) WHERE study <> 0;
+CREATE TABLE study (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  kind TEXT NOT NULL,
+  name TEXT NOT NULL,
+  state INTEGER NOT NULL,
+  owner TEXT NOT NULL,
+  request_id TEXT NOT NULL,
+  spec BLOB NOT NULL,
+  generator BLOB NOT NULL,
+  submitted_ms INTEGER NOT NULL,
+  ended_ms INTEGER NOT NULL DEFAULT 0,
+  planned INTEGER NOT NULL DEFAULT 0,
+  trials INTEGER NOT NULL DEFAULT 0,
+  told INTEGER NOT NULL DEFAULT 0,
+  failed INTEGER NOT NULL DEFAULT 0,
+  reused INTEGER NOT NULL DEFAULT 0,
+  message TEXT NOT NULL DEFAULT '',
+  summary BLOB NOT NULL DEFAULT x'',
+  best_trial INTEGER,
+  best_objective REAL,
+  best_objective_error REAL
+);
+CREATE UNIQUE INDEX study_by_request ON study(request_id) WHERE request_id <> '';
+CREATE INDEX study_by_state ON study(state, id);
+CREATE TABLE trial (
+  study INTEGER NOT NULL REFERENCES study(id) ON DELETE CASCADE,
+  number INTEGER NOT NULL,
+  job INTEGER NOT NULL,
+  label TEXT NOT NULL,
+  role TEXT NOT NULL,
+  candidate INTEGER NOT NULL,
+  inputs TEXT NOT NULL,
+  error TEXT NOT NULL DEFAULT '',
+  told INTEGER NOT NULL DEFAULT 0,
+  objective REAL,
+  objective_error REAL,
+  feasible INTEGER,
+  best_objective REAL,
+  pareto INTEGER NOT NULL DEFAULT 0,
+  PRIMARY KEY (study, number)
+) WITHOUT ROWID;
+CREATE INDEX trial_by_job ON trial(job);
+CREATE TABLE price_point (
+  study INTEGER NOT NULL REFERENCES study(id) ON DELETE CASCADE,
+  job INTEGER NOT NULL,
+  rung TEXT NOT NULL,
+  observable TEXT NOT NULL,
+  value REAL,
+  error REAL,
+  cpu_s REAL
+);
+CREATE INDEX price_point_by_study ON price_point(study);
+CREATE TABLE effect_delta (
+  study INTEGER NOT NULL REFERENCES study(id) ON DELETE CASCADE,
+  effect TEXT NOT NULL,
+  observable TEXT NOT NULL,
+  delta REAL,
+  error REAL,
+  cpu_ratio REAL
+);
+CREATE INDEX effect_delta_by_study ON effect_delta(study);
+
+-- The views name jobs as users do; these find them by that name.
+CREATE INDEX job_by_name ON job('jobs/' || id);
+CREATE INDEX task_by_job_name ON task('jobs/' || job);
+
+CREATE TABLE job_cost (
+  job INTEGER PRIMARY KEY REFERENCES job(id) ON DELETE CASCADE,
+  wall_s REAL, cpu_s REAL, reused_s REAL, steps INTEGER, particle_steps INTEGER,
+  ns_per_particle_step REAL, contacts_per_particle REAL, threads INTEGER,
+  peak_rss_bytes INTEGER, remainder_ratio REAL
+);
+CREATE TABLE job_series (
+  job INTEGER PRIMARY KEY REFERENCES job(id) ON DELETE CASCADE,
+  message BLOB NOT NULL
+);
+CREATE INDEX job_series_by_name ON job_series('jobs/' || job);
+CREATE TABLE value_name (
+  kind TEXT NOT NULL,
+  name TEXT NOT NULL,
+  unit TEXT NOT NULL,
+  PRIMARY KEY (kind, name)
+) WITHOUT ROWID;
+INSERT OR IGNORE INTO value_name SELECT job.kind, name, unit FROM job_value JOIN job ON job.id = job;
+CREATE TABLE worker (
+  id TEXT PRIMARY KEY,
+  host TEXT NOT NULL,
+  pid INTEGER NOT NULL,
+  slots INTEGER NOT NULL,
+  state TEXT NOT NULL,
+  engine_version TEXT NOT NULL,
+  vector_path TEXT NOT NULL,
+  first_seen_ms INTEGER NOT NULL,
+  seen_ms INTEGER NOT NULL
+) WITHOUT ROWID;
+)sql";
+
+constexpr std::array<const char*, 3> kMigrations = {kFirst, kResume, kStudies};
 
 int schema_of(SQLite::Database& connection) {
   return connection.execAndGet("PRAGMA user_version").getInt();

@@ -67,6 +67,7 @@ void OwnerThread::run_batch(std::deque<Item> batch, bool tick) {
     database_.begin();
     if (tick && hooks_.on_tick) hooks_.on_tick();
     for (const Item& item : batch) outcomes.push_back(run_item(item.work));
+    if (hooks_.before_commit) hooks_.before_commit();
     database_.commit();
   } catch (const std::exception& error) {
     database_.rollback();

@@ -33,6 +33,7 @@ class OwnerThread {
   using Reply = std::function<void(const Status&)>;  // after commit; must not block
 
   struct Hooks {
+    std::function<void()> before_commit;        // follow-up work of the whole batch, same transaction
     std::function<void()> after_commit;         // send effects
     std::function<void()> after_failed_commit;  // rebuild memory from the database
     std::function<void()> on_tick;              // inside a transaction, every `tick_ms`

@@ -11,6 +11,7 @@ SqliteJobStore::SqliteJobStore(SQLite::Database& c)
       values_(c),
       events_(c),
       resume_(c),
+      workers_(c),
       find_request_(c, "SELECT first_job, job_count FROM request WHERE id = ?"),
       put_request_(
           c, "INSERT INTO request (id, first_job, job_count, created_ms) VALUES (?, ?, ?, ?)") {}

@@ -7,6 +7,7 @@
 #include "server/store/resume_table.h"
 #include "server/store/task_table.h"
 #include "server/store/value_table.h"
+#include "server/store/worker_table.h"
 
 namespace granary::server {
 
@@ -44,6 +45,11 @@ class SqliteJobStore : public JobStore {
   void put_result(JobId job, const v1::Result& result) override { values_.put(job, result); }
   std::optional<v1::Result> find_result(JobId job) override { return values_.find(job); }
   void share_result(JobId from, JobId to) override { values_.share(from, to); }
+  void put_series(JobId job, const v1::SeriesList& series) override {
+    values_.put_series(job, series);
+  }
+  void put_worker(const WorkerRecord& worker) override { workers_.put(worker); }
+  void mark_workers_lost() override { workers_.mark_all_lost(); }
 
   void put_resume_files(JobId job, const std::vector<ResumeFileRecord>& files) override {
     resume_.put_files(job, files);
@@ -79,6 +85,7 @@ class SqliteJobStore : public JobStore {
   ValueTable values_;
   EventTable events_;
   ResumeTable resume_;
+  WorkerTable workers_;
   SQLite::Statement find_request_, put_request_;
 };
 

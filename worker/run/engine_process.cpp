@@ -97,6 +97,7 @@ void write_finished(const storage::Path& directory, const TaskOutcome& outcome) 
   finished.set_outcome(outcome.outcome);
   finished.set_message(outcome.message);
   *finished.mutable_result() = outcome.result;
+  *finished.mutable_series() = outcome.series;
   if (outcome.published) {
     const auto digest = storage::sha256_of(storage::real_file_system(), directory / "result.h5");
     finished.mutable_artifact()->set_sha256(digest.sha256);

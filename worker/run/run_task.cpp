@@ -13,6 +13,7 @@
 #include "worker/run/result_builder.h"
 #include "worker/run/run_storage.h"
 #include "worker/run/sentinels.h"
+#include "worker/run/series_message.h"
 #include "worker/run/watched_engine.h"
 #include "worker/storage/storage_error.h"
 
@@ -216,7 +217,9 @@ class TaskRun {
     report.state_hash = combine_state_hashes(record_.finished);
     report.ledger = worst_ledger(record_.finished);
     report.warnings = record_.first.warnings;
-    return publish(report, v1::TaskFinished::COMPLETE);
+    TaskOutcome outcome = publish(report, v1::TaskFinished::COMPLETE);
+    outcome.series = series_message(record_.first.series);
+    return outcome;
   }
 
   TaskOutcome unstable() {

@@ -55,6 +55,7 @@ struct TaskOutcome {
   v1::TaskFinished::Outcome outcome = v1::TaskFinished::ERROR;
   std::string message;  // one line: why it did not complete
   v1::Result result;
+  v1::SeriesList series;  // thinned, for the database
   bool published = false;  // the file at result_path is there, whole and durable
   std::vector<core::PhaseSeconds> profile;
 };

@@ -5,6 +5,8 @@
 #include <set>
 
 #include "granary/v1/job.pb.h"
+#include "granary/v1/query.pb.h"
+#include "granary/v1/study.pb.h"
 #include "granary/v1/worker.pb.h"
 
 namespace granary::server {
@@ -14,7 +16,9 @@ using google::protobuf::FileDescriptor;
 
 std::vector<std::string> every_call() {
   std::vector<std::string> calls;
-  for (const FileDescriptor* file : {v1::Job::descriptor()->file(), v1::WorkerHello::descriptor()->file()})
+  for (const FileDescriptor* file : {v1::Job::descriptor()->file(), v1::WorkerHello::descriptor()->file(),
+                                     v1::Study::descriptor()->file(),
+                                     v1::QueryRequest::descriptor()->file()})
     for (int i = 0; i < file->service_count(); ++i)
       for (int k = 0; k < file->service(i)->method_count(); ++k)
         calls.push_back("/" + file->service(i)->full_name() + "/" + file->service(i)->method(k)->name());
@@ -22,9 +26,10 @@ std::vector<std::string> every_call() {
 }
 
 TEST(Access, table_of_calls_and_roles) {
-  const std::set<std::string> changing = {"Submit", "Cancel", "Retry", "Delete"};
+  const std::set<std::string> changing = {"Submit", "Cancel", "Retry",  "Delete",
+                                           "Pause",  "Resume", "Extend"};
   const std::set<std::string> of_workers = {"Synchronize", "Upload", "FetchArtifact"};
-  ASSERT_EQ(every_call().size(), 15u) << "a new call needs a role in access.cpp";
+  ASSERT_EQ(every_call().size(), 26u) << "a new call needs a role in access.cpp";
   for (const std::string& call : every_call()) {
     const std::string name = call.substr(call.rfind('/') + 1);
     const bool changes = changing.count(name) > 0, is_workers = of_workers.count(name) > 0;
