@@ -1,10 +1,12 @@
 #include "proto/contract/scene_rules.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <unordered_map>
+#include <vector>
 
 #include "proto/contract/field_path.h"
 
@@ -242,6 +244,61 @@ std::optional<Error> check_required(const Message& message, const std::string& p
   return {};
 }
 
+// ---- rules between fields, placed bodies
+
+// Deeper overlaps of bodies placed by hand are no contacts: their energy would throw the bodies
+// out.
+constexpr double kDeepestPlacement = 0.5;  // radii of the smaller one
+
+struct Placed {
+  std::array<double, 3> centre;
+  double radius;
+  int index;
+};
+
+double overlap_in_radii(const Placed& a, const Placed& b) {
+  const double distance =
+      std::hypot(a.centre[0] - b.centre[0], a.centre[1] - b.centre[1], a.centre[2] - b.centre[2]);
+  return (a.radius + b.radius - distance) / std::min(a.radius, b.radius);
+}
+
+// Sorted along x, a body is compared with those whose left end lies before its right end.
+std::optional<Error> check_placement(const std::string& list, std::vector<Placed> bodies) {
+  const auto left = [](const Placed& body) { return body.centre[0] - body.radius; };
+  std::sort(bodies.begin(), bodies.end(),
+            [&](const Placed& a, const Placed& b) { return left(a) < left(b); });
+  for (std::size_t a = 0; a < bodies.size(); ++a)
+    for (std::size_t b = a + 1;
+         b < bodies.size() && left(bodies[b]) < bodies[a].centre[0] + bodies[a].radius; ++b) {
+      const double overlap = overlap_in_radii(bodies[a], bodies[b]);
+      if (overlap <= kDeepestPlacement) continue;
+      const auto [low, high] = std::minmax(bodies[a].index, bodies[b].index);
+      return bad(list + "[" + std::to_string(high) + "]",
+                 "overlaps " + list + "[" + std::to_string(low) + "] by " + number(overlap) +
+                     " radii of the smaller, must be <= " + number(kDeepestPlacement));
+    }
+  return {};
+}
+
+std::optional<Error> check_discs(const v1::Discharge& discharge) {
+  std::vector<Placed> bodies;
+  for (int k = 0; k < discharge.discs_size(); ++k) {
+    const v1::Disc& disc = discharge.discs(k);
+    bodies.push_back({{disc.x_m(), disc.y_m(), 0}, disc.diameter_m() / 2, k});
+  }
+  return check_placement("discharge.discs", std::move(bodies));
+}
+
+std::optional<Error> check_beads(const v1::Chute& chute) {
+  std::vector<Placed> bodies;
+  for (int k = 0; k < chute.beads_size(); ++k) {
+    const v1::Bead& bead = chute.beads(k);
+    const auto& particle = chute.particles(static_cast<int>(bead.particle_class()));
+    bodies.push_back({{bead.x_m(), bead.y_m(), bead.z_m()}, particle.diameter_m() / 2, k});
+  }
+  return check_placement("chute.beads", std::move(bodies));
+}
+
 // ---- rules between fields, discharge
 
 // Horizontal clearance of the bucket mouth: a disk that does not fit in can never be filled in.
@@ -267,6 +324,12 @@ std::optional<Error> check_bucket(const v1::Discharge& discharge, double largest
       if (!there)
         return bad(std::string("discharge.bucket.") + name, "is missing, shape BEZIER needs it");
   const auto width = mouth_width(bucket);
+  const double covered = bucket.deflector_m() * std::sin(bucket.deflector_angle_deg() * M_PI / 180);
+  if (width && covered > 0 && *width - covered < 1.5 * largest)
+    return bad("discharge.bucket.deflector_m", "covers " + number(covered) + " m of a mouth of " +
+                                                   number(*width) +
+                                                   " m, must leave >= " + number(1.5 * largest) +
+                                                   " m (1.5 diameters of the largest disk)");
   const char* field = bucket.shape() == v1::Bucket::POLYLINE ? "discharge.bucket.points"
                       : bucket.has_opening_angle_deg()       ? "discharge.bucket.opening_angle_deg"
                                                              : "discharge.bucket.tip_x_m";
@@ -281,6 +344,8 @@ std::optional<Error> check_discharge(const v1::Discharge& discharge) {
   const bool placed = discharge.filling() == v1::Discharge::EXPLICIT;
   if (placed && discharge.discs_size() == 0)
     return bad("discharge.discs", "is empty, filling EXPLICIT needs at least one");
+  if (placed)
+    if (auto error = check_discs(discharge)) return error;
   if (!placed && discharge.no_bucket())
     return bad("discharge.no_bucket",
                "needs filling EXPLICIT: without a bucket there is nothing to fill");
@@ -370,6 +435,7 @@ std::optional<Error> check_chute(const v1::Chute& chute) {
     if (static_cast<int>(chute.beads(i).particle_class()) >= chute.particles_size())
       return bad("chute.beads[" + std::to_string(i) + "].particle_class",
                  "names a class that is not in chute.particles");
+  if (auto error = check_beads(chute)) return error;
   for (int i = 0; i < chute.planes_size(); ++i)
     if (chute.planes(i).point_m_size() != 3 || chute.planes(i).normal_size() != 3)
       return bad("chute.planes[" + std::to_string(i) + "]",

@@ -6,8 +6,15 @@
 namespace granary::core {
 namespace {
 
+// What is no number falls into the first cell: its grain is found out by the sentinels, not here.
 std::int32_t clamp_cell(double position, std::int32_t count) {
-  return static_cast<std::int32_t>(std::clamp(position, 0.0, static_cast<double>(count - 1)));
+  return position > 0
+             ? static_cast<std::int32_t>(std::min(position, static_cast<double>(count - 1)))
+             : 0;
+}
+
+bool is_finite(const Vec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
 double cells_along(double length, double cell_size) {
@@ -22,9 +29,11 @@ double cells_for(const Vec3& extent, double cell_size) {
 }  // namespace
 
 void CellGrid::fit_box(std::span<const Vec3> points, double cell_size) {
-  Vec3 low = points.empty() ? Vec3{} : points[0];
+  const auto first = std::find_if(points.begin(), points.end(), is_finite);
+  Vec3 low = first == points.end() ? Vec3{} : *first;
   Vec3 high = low;
   for (const Vec3& p : points) {
+    if (!is_finite(p)) continue;
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }

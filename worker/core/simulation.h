@@ -1,6 +1,6 @@
 // The one interface between an engine and everything that runs, stores and shows simulations.
-// A simulation owns its whole scenario (filling, rotation, feed, end). It is advanced in chunks, and
-// neither the chunk size nor the number of threads may change a single bit of what it computes.
+// A simulation owns its whole scenario (filling, rotation, feed, end). It is advanced in chunks,
+// and neither the chunk size nor the number of threads may change a single bit of what it computes.
 #pragma once
 
 #include <cstddef>
@@ -17,12 +17,29 @@
 
 namespace granary::core {
 
+// What kind of failure it is: decides which setting is changed (worker/run/recovery.h).
+enum class Cause : std::uint8_t { other, overlap, speed, not_finite, not_converged, energy };
+
 // A numerical failure is data: what happened, when, to whom, and what the user can change.
 struct Rejection {
   double time_s = 0;
   std::string reason;
   std::vector<std::int64_t> ids;
-  std::string suggestion;
+  std::string suggestion;  // names the field to change
+  Cause cause = Cause::other;
+};
+
+// One numerical setting that a run may change by itself to get past a failure.
+enum class Remedy : std::uint8_t {
+  halve_time_step,    // the state goes on
+  tighten_tolerance,  // of the contact solver, tenfold; the state goes on
+  raise_penalty       // tenfold, from the very beginning: under load it would add energy
+};
+
+struct SettingChange {
+  std::string path;  // of the scene
+  double before = 0;
+  double after = 0;
 };
 
 enum class AdvanceStatus {
@@ -100,6 +117,19 @@ class Simulation {
   // the same input continues bitwise. Throws std::runtime_error on a state of another simulation.
   virtual State snapshot() const = 0;
   virtual void restore(const State& state) = 0;
+
+  // Steps between two marks: states that the run layer checks in full and can go back to. Fixed by
+  // the scene, because what is gone back to decides bits; a snapshot should cost below 1 % of them.
+  virtual std::uint64_t steps_between_marks() const { return 256; }
+
+  // Steps so far whose contacts were not solved to the tolerance; explicit engines have none.
+  virtual std::uint64_t unconverged_steps() const { return 0; }
+
+  // Changes one setting from now on: right after restore(), or, before it, on a simulation made
+  // anew to take over a state that was saved after the same change. raise_penalty: only on one made
+  // anew.
+  virtual bool knows(Remedy) const { return false; }
+  virtual SettingChange apply(Remedy) { return {}; }
 
   // The settled filling, for reuse by other simulations that ask for the same one; nullopt when
   // this simulation has none (yet).

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 
 #include "worker/core/random.h"
 #include "worker/dda/walls.h"
@@ -65,6 +66,7 @@ Disks drop_array(const DiskKind& kind, const BucketGeometry& bucket) {
   const double clearance = (0.5 + kJitter * std::numbers::sqrt2) * largest;
   Disks disks;
   for (std::uint32_t row = 0; disks.count() < kind.count; ++row) {
+    const std::size_t count_before = disks.count();
     const double y = inside.y_min + (row + 1.0) * pitch;
     const bool above = y > bucket.outer_wall.back().y;
     const double x_min = above ? heap_x_min : inside.x_min;
@@ -79,6 +81,8 @@ Disks drop_array(const DiskKind& kind, const BucketGeometry& bucket) {
       add_disk(disks, kind, {x + jitter(jitter_x_stream), y + jitter(jitter_y_stream)},
                random_diameter(kind, k), k * kStratumCount / kind.count);
     }
+    if (y > inside.y_max + 2 * pitch && disks.count() == count_before)
+      throw std::invalid_argument("discharge.bucket: no disk passes through its mouth");
   }
   return disks;
 }

@@ -126,14 +126,25 @@ void open_ledger(System& system) {
   system.report.kinetic_energy = ledger.kinetic_j;
 }
 
+void book_relinearised(System& system, double elastic_at_start) {
+  core::EnergyLedger& ledger = system.ledger;
+  const double jump = elastic_at_start - ledger.elastic_j;
+  if (system.ledger_is_new) {
+    ledger.stored_at_start_j += jump;
+    system.ledger_is_new = false;
+    return;
+  }
+  ledger[EnergyChannel::integrator] -= jump;
+  ledger.throughput_j += std::abs(jump);
+}
+
 void book_contacts(System& system) {
   ContactEnergy sum;
   book_list(system, system.pair_contacts, nullptr, sum);
   book_list(system, system.wall_contacts, system.wall_velocity.data(), sum);
   system.report.worst_overlap = sum.worst_overlap;
   core::EnergyLedger& ledger = system.ledger;
-  if (system.ledger_is_new) ledger.stored_at_start_j += sum.elastic_start - ledger.elastic_j;
-  system.ledger_is_new = false;
+  book_relinearised(system, sum.elastic_start);
   ledger.elastic_j = sum.elastic;
   ledger[EnergyChannel::integrator] += sum.integrator;
   ledger[EnergyChannel::friction] += sum.friction;

@@ -3,8 +3,8 @@
 // Exact identities of the step, per contact with force f (end of step), relative displacement
 // dt u, stored spring force s at the start: the work f dt u splits into the change of f^2 / 2K, the
 // integrator's (f - s)^2 / 2K, and for a sliding contact the friction -f (dt u + (f - s) / K). Per
-// touched disk backward Euler dissipates m dv^2 / 2. What does not add up (linearised gaps, sweeps
-// that stopped at their tolerance) stays in the remainder. The Newmark integrators have no kinetic
+// touched disk backward Euler dissipates m dv^2 / 2. What does not add up (sweeps that
+// stopped at their tolerance) stays in the remainder. The Newmark integrators have no kinetic
 // dissipation; with the trapezoid the mean of the forces at start and end does the work, and the
 // spring's (f - s)^2 / 2K vanishes too.
 #pragma once
@@ -16,6 +16,11 @@ namespace granary::dda {
 // Starts the balance: stored energies from the disks and the forces in the lists. Overlaps that no
 // stored force knows of (disks placed by hand) join the start at the first step.
 void open_ledger(System& system);
+
+// The gap of a contact is linear in the displacements of a step. Where it starts differs from where
+// the step before ended, by second order in what the normal turned: the springs' energy changes
+// without a displacement, and that is the integrator's doing.
+void book_relinearised(System& system, double elastic_at_start);
 
 // Preconditions: solve_impulses is done, `motion_before` holds the velocities at the start.
 void book_contacts(System& system);

@@ -32,6 +32,7 @@ class BlockEngine final : public Engine {
   void release(std::int64_t first, std::int64_t end) override;
   void set_gravity(const core::Vec3& gravity) override;
   void advance(std::uint64_t steps) override;
+  void halve_time_step() override;
 
   std::uint64_t step() const override { return step_; }
   double time() const override { return static_cast<double>(step_) * setup_.time_step; }
@@ -99,6 +100,8 @@ class BlockEngine final : public Engine {
   void log_leavers(Block& block, std::uint64_t step);
   void gather_leavers();
   void watch();
+  std::vector<std::int64_t> broken_ids() const;
+  std::vector<std::int64_t> deepest_ids() const;
   void divide_work();
   void count_free();
   BlockArrays arrays(Block& block, LineVector<GrainLoad>& desk);

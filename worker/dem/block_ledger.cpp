@@ -3,6 +3,7 @@
 // potentials. Everything is taken at half steps, where the velocities live.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "worker/dem/block_engine.h"
 
@@ -130,6 +131,33 @@ void BlockEngine::book_unfinished(const Touch& touch, const History& history,
                               : -half_step * dot(force, sliding);
   ledger[EnergyChannel::normal_damping] += damping;
   ledger[EnergyChannel::friction] += friction;
+}
+
+// Of the moment: the deepest one so far may have parted since.
+std::vector<std::int64_t> BlockEngine::deepest_ids() const {
+  double deepest = 0;
+  std::vector<std::int64_t> ids;
+  const auto note = [&](double overlap, std::vector<std::int64_t> pair) {
+    if (overlap <= deepest) return;
+    deepest = overlap;
+    ids = std::move(pair);
+  };
+  for (std::size_t b = 0; b < block_count_; ++b) {
+    const Block& block = blocks_[b];
+    const auto place = [&](std::uint32_t offset) {
+      return block.range.first + offset / sizeof(GrainSurface);
+    };
+    for (std::size_t slot = 0; slot < block.pair_slots.size(); ++slot) {
+      const std::size_t first = place(block.pair_slots.first(slot));
+      const std::size_t second = place(block.pair_slots.second(slot));
+      note(touch_of_pair(first, second).overlap, {id_[first], id_[second]});
+    }
+    for (std::size_t slot = 0; slot < block.wall_slots.size(); ++slot) {
+      const std::size_t first = place(block.wall_slots.first(slot));
+      note(touch_of_wall(first, block.wall_slots.second(slot)).overlap, {id_[first]});
+    }
+  }
+  return ids;
 }
 
 // Stored energy and unfinished dissipation of all contacts.

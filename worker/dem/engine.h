@@ -39,6 +39,8 @@ class Engine {
 
   // Stops early only when trouble() is set.
   virtual void advance(std::uint64_t steps) = 0;
+  // From now on with half the step: time and state go on, step numbers double, trouble() is over.
+  virtual void halve_time_step() = 0;
 
   virtual std::uint64_t step() const = 0;
   virtual double time() const = 0;

@@ -281,15 +281,46 @@ void PlainEngine::carry(Body& body) {
 }
 
 void PlainEngine::watch() {
-  const bool sound = std::all_of(bodies_.begin(), bodies_.end(), [](const Body& body) {
-    return std::isfinite(dot(body.position, body.velocity_half));
+  const auto broken = std::find_if(bodies_.begin(), bodies_.end(), [](const Body& body) {
+    return !std::isfinite(dot(body.position, body.velocity_half));
   });
-  if (sound && largest_overlap_ratio_ <= kLargestSoundOverlap) return;
-  trouble_ = core::Rejection{
-      time(),
-      sound ? "overlap of " + std::to_string(largest_overlap_ratio_) + " radii" : "not a number",
-      {},
-      "use stiffer contacts (normal_stiffness_n_per_m) or a smaller time_step_s"};
+  if (broken != bodies_.end()) {
+    trouble_ = core::Rejection{time(),
+                               "position or velocity is not a number",
+                               {broken->id},
+                               "a smaller chute.time_step_s",
+                               core::Cause::not_finite};
+  } else if (largest_overlap_ratio_ > kLargestSoundOverlap) {
+    trouble_ = core::Rejection{
+        time(), "overlap of " + std::to_string(largest_overlap_ratio_) + " radii", deepest_ids(),
+        "a larger chute.contact_pp.normal_stiffness_n_per_m (walls: contact_pw), or a smaller "
+        "chute.time_step_s",
+        core::Cause::overlap};
+  }
+}
+
+// Of the last step: the pair that overlaps most, or may have parted since.
+std::vector<std::int64_t> PlainEngine::deepest_ids() const {
+  const auto deepest = std::max_element(
+      contacts_.begin(), contacts_.end(),
+      [](const Contact& l, const Contact& r) { return l.geometry.overlap < r.geometry.overlap; });
+  if (deepest == contacts_.end()) return {};
+  const Candidate& candidate = candidates_[deepest->candidate];
+  if (candidate.is_wall()) return {candidate.first_id};
+  return {candidate.first_id, candidate.second_id};
+}
+
+// A quarter of a step's kick is left out for once: velocities were half a step before the
+// positions, and count as a quarter of it from now on.
+void PlainEngine::halve_time_step() {
+  setup_.time_step *= 0.5;
+  step_ *= 2;
+  terms_ = BodyTerms(setup_.motion, setup_.time_step);
+  spring_turn_ = core::rotation_matrix(map_.wall_spin() * setup_.time_step);
+  half_turn_ = core::rotation_matrix(map_.wall_spin() * (0.5 * setup_.time_step));
+  list_is_void_ = true;
+  largest_overlap_ratio_ = 0;
+  trouble_.reset();
 }
 
 // ------------------------------------------------------------------------------- finding contacts

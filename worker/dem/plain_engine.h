@@ -28,6 +28,7 @@ class PlainEngine final : public Engine {
   void release(std::int64_t first, std::int64_t end) override;
   void set_gravity(const core::Vec3& gravity) override;
   void advance(std::uint64_t steps) override;
+  void halve_time_step() override;
 
   std::uint64_t step() const override { return step_; }
   double time() const override { return static_cast<double>(step_) * setup_.time_step; }
@@ -96,6 +97,7 @@ class PlainEngine final : public Engine {
   void let_leavers_go();
   void log_if_leaving(const Body& body);
   void watch();
+  std::vector<std::int64_t> deepest_ids() const;
 
   const GrainClass& class_of(const Body& body) const { return setup_.classes[body.grain_class]; }
   const ContactCoefficients& law_of(const Candidate& candidate) const;

@@ -35,6 +35,8 @@ class CheckpointPacer {
   CheckpointPacer(double interval_s, double now_s)
       : interval_s_(interval_s), next_s_(now_s + interval_s) {}
   bool due(double now_s) const { return now_s >= next_s_; }
+  // It has waited for a mark of the run as long as it may.
+  bool overdue(double now_s) const { return now_s >= next_s_ + interval_s_; }
   // A checkpoint that took `cost_s` is followed by another no sooner than its share of time allows;
   // an interval of 0 means after every chunk, whatever it costs.
   void note(double now_s, double cost_s);

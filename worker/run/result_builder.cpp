@@ -1,5 +1,6 @@
 #include "worker/run/result_builder.h"
 
+#include <cstdio>
 #include <ctime>
 
 #include "proto/contract/scene_text.h"
@@ -51,6 +52,17 @@ v1::Ledger ledger_message(const core::EnergyLedger& ledger) {
   return message;
 }
 
+v1::Decision decision_of(const RecoveryNote& note) {
+  char value[32];
+  std::snprintf(value, sizeof value, "%.12g", note.value);
+  v1::Decision decision;
+  decision.set_path(note.path);
+  decision.set_value(value);
+  decision.set_chosen_by("recovery");
+  decision.set_evidence(note.evidence);
+  return decision;
+}
+
 std::string date_utc() {
   const std::time_t now = std::time(nullptr);
   std::tm parts{};
@@ -81,7 +93,7 @@ storage::ProvenanceContent provenance_of(const TaskSpec& spec, const v1::Result&
   provenance.state_hash = message.state_hash();
   provenance.threads = message.cost().threads();
   provenance.costs = cost_list(message.cost());
-  for (const v1::Decision& decision : spec.decisions)
+  for (const v1::Decision& decision : message.decisions())
     provenance.decisions.push_back(
         {decision.path(), decision.value(), decision.chosen_by(), decision.evidence()});
   provenance.warnings.assign(message.warnings().begin(), message.warnings().end());
@@ -110,6 +122,7 @@ v1::Result result_message(const TaskSpec& spec, const RunRecord& record, const R
   result.set_engine_version(spec.engine_version);
   result.set_state_hash(report.state_hash);
   result.mutable_decisions()->Assign(spec.decisions.begin(), spec.decisions.end());
+  for (const RecoveryNote& note : record.notes) *result.add_decisions() = decision_of(note);
   for (const std::string& warning : spec.warnings) result.add_warnings(warning);
   for (const std::string& warning : report.warnings) result.add_warnings(warning);
   result.set_host(spec.host);

@@ -123,6 +123,13 @@ Bytes encode(const RunRecord& record) {
   ByteWriter out(bytes);
   put_record(out, record.costs);
   put_record(out, record.frames);
+  put_record(out, record.mark);
+  put_list(out, record.recoveries, [&](const Recovery& recovery) { put_record(out, recovery); });
+  put_list(out, record.notes, [&](const RecoveryNote& note) {
+    out.put_text(note.path);
+    out.put(note.value);
+    out.put_text(note.evidence);
+  });
   put_first(bytes, record.first);
   put_list(out, record.finished,
            [&](const FinishedReplicate& replicate) { put_replicate(out, replicate); });
@@ -134,6 +141,13 @@ RunRecord decode_record(const Bytes& bytes) {
   RunRecord record;
   record.costs = get_record<RunCosts>(in);
   record.frames = get_record<FrameSchedule::State>(in);
+  record.mark = get_record<Mark>(in);
+  record.recoveries = get_list(in, [&] { return get_record<Recovery>(in); });
+  record.notes = get_list(in, [&] {
+    std::string path = in.get_text();
+    const double value = in.get<double>();
+    return RecoveryNote{std::move(path), value, in.get_text()};
+  });
   record.first = get_first(in);
   record.finished = get_list(in, [&] { return get_replicate(in); });
   return record;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "worker/run/frame_schedule.h"
+#include "worker/run/recovery.h"
 #include "worker/run/replicates.h"
 #include "worker/storage/column_codec.h"
 
@@ -30,6 +31,9 @@ struct RunRecord {
   core::Observation first;  // series, fields, warnings, effect counts of replicate 0
   FrameSchedule::State frames;
   RunCosts costs;
+  Mark mark;                         // of the replicate that is running
+  std::vector<Recovery> recoveries;  // of the same
+  std::vector<RecoveryNote> notes;   // of all
 };
 
 storage::Bytes encode(const RunRecord& record);

@@ -19,6 +19,30 @@ storage::RunIdentity filling_identity(const TaskSpec& spec) {
   return {"filling " + spec.filling_key, spec.engine_version, spec.vector_path};
 }
 
+// The state at the last mark lies in the same file; engines do not know this prefix.
+const std::string kMarkPrefix = "mark/";
+
+void put_mark(core::State& engine, const core::State& mark) {
+  for (const core::Column& column : mark.columns) {
+    engine.put(column);
+    engine.columns.back().name = kMarkPrefix + column.name;
+  }
+}
+
+// A checkpoint taken at a mark holds it once.
+core::State take_mark(core::State& engine) {
+  core::State mark;
+  for (core::Column& column : engine.columns)
+    if (column.name.starts_with(kMarkPrefix)) {
+      column.name.erase(0, kMarkPrefix.size());
+      mark.put(std::move(column));
+      column.name.clear();
+    }
+  if (mark.columns.empty()) return engine;
+  std::erase_if(engine.columns, [](const core::Column& column) { return column.name.empty(); });
+  return mark;
+}
+
 }  // namespace
 
 RunStorage::RunStorage(storage::FileSystem& files, const TaskSpec& spec, Log log)
@@ -47,6 +71,7 @@ std::optional<RunStorage::Resumed> RunStorage::resume() {
     return std::nullopt;
   }
   resumed.engine = std::move(checkpoint->engine);
+  resumed.mark = take_mark(resumed.engine);
   return resumed;
 }
 
@@ -60,8 +85,13 @@ void RunStorage::append_frame(const storage::FrameView& frame) {
   if (active_) frames_.append(frame);
 }
 
-void RunStorage::save(const RunRecord& record, core::State engine) {
+void RunStorage::drop_frames_from(std::uint64_t frame_index) {
+  if (active_) frames_.drop_from(frame_index);
+}
+
+void RunStorage::save(const RunRecord& record, core::State engine, const core::State* mark) {
   if (!active_) return;
+  if (mark != nullptr) put_mark(engine, *mark);
   const auto& segments = frames_.seal();
   try {
     storage::save_checkpoint(files_, directory_,

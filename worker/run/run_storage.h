@@ -23,6 +23,7 @@ class RunStorage {
   struct Resumed {
     RunRecord record;
     core::State engine;
+    core::State mark;
   };
   // The newest usable checkpoint of this very run; without one the directory is left clean for a
   // start from the beginning. Says in the log why a checkpoint was passed over.
@@ -30,9 +31,11 @@ class RunStorage {
   void start_over();
 
   void append_frame(const storage::FrameView& frame);
+  void drop_frames_from(std::uint64_t frame_index);
   // Frames so far become durable (StorageError when they cannot). A checkpoint that cannot be
   // written is logged and the run goes on: the one before it is still good.
-  void save(const RunRecord& record, core::State engine);
+  // `mark` is the engine's state at record.mark; null when that is where it stands.
+  void save(const RunRecord& record, core::State engine, const core::State* mark);
   void publish(const storage::ResultContent& content);
 
   bool active() const { return active_; }

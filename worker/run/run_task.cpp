@@ -4,6 +4,7 @@
 #include <limits>
 #include <new>
 #include <stdexcept>
+#include <string>
 
 #include "worker/run/cost_clock.h"
 #include "worker/run/frame_keeper.h"
@@ -64,8 +65,11 @@ class TaskRun {
       const auto filling = replicate() == 0 ? load_filling(files_, spec_, callbacks_.log)
                                             : std::nullopt;
       auto simulation = make_simulation(filling ? &filling->state : nullptr);
+      for (const core::Remedy remedy : active_remedies(record_.recoveries))
+        simulation->apply(remedy);
       simulation->restore(resumed.engine);
       engine_.emplace(std::move(simulation), record_.costs);
+      engine_->set_mark(record_.mark, std::move(resumed.mark));
       callbacks_.log("resumed at t = " + std::to_string(engine_->now().time_s) + " s");
     } catch (const std::exception& error) {
       callbacks_.log(std::string("checkpoint not usable, starting over: ") + error.what());
@@ -83,6 +87,8 @@ class TaskRun {
     if (filling) record_.costs.reused_s += filling->cpu_s;
     filling_done_ = filling.has_value();
     engine_.emplace(make_simulation(filling ? &filling->state : nullptr), record_.costs);
+    record_.recoveries.clear();
+    set_mark();
   }
 
   std::unique_ptr<core::Simulation> make_simulation(const core::State* filling) {
@@ -97,9 +103,20 @@ class TaskRun {
 
   Ending run_replicate() {
     for (;;) {
+      const Ending ending = run_until_tripped();
+      if (ending != Ending::rejected || !recover()) return ending;
+    }
+  }
+
+  Ending run_until_tripped() {
+    for (;;) {
+      if (engine_->mark_due()) {
+        if (!engine_->is_sound()) return Ending::rejected;
+        set_mark();
+      }
       if (keeps_frames() && !frames_.keep_due(*engine_)) return Ending::rejected;
       if (const auto ending = stop_asked_for()) return *ending;
-      if (checkpoints_.due(wall_now_s())) save_checkpoint();
+      if (checkpoint_is_due()) save_checkpoint();
       if (meter_.due(wall_now_s())) report_progress();
       switch (engine_->advance(limit_s())) {
         case core::AdvanceStatus::advanced:
@@ -133,6 +150,7 @@ class TaskRun {
   // The scenario is over: the last state is kept, and must be made of numbers.
   Ending close_replicate() {
     keep_filling();
+    if (!engine_->is_sound()) return Ending::rejected;
     if (keeps_frames() && !frames_.keep_last(*engine_)) return Ending::rejected;
     const bool accepted = engine_->accepts(engine_->simulation().physical_state());
     return accepted ? Ending::finished : Ending::rejected;
@@ -169,6 +187,50 @@ class TaskRun {
       known->seconds += phase.seconds;
   }
 
+  // ---- recovery
+
+  void set_mark() { engine_->set_mark(frames_.state()); }
+
+  // Back to the last mark, or to the very beginning, with one setting changed; false when there is
+  // nothing left to try.
+  bool recover() {
+    const core::Rejection rejection = *engine_->rejection();
+    const auto remedy = next_remedy(rejection.cause, record_.recoveries, engine_->simulation());
+    if (!remedy) return false;
+    const double back_to_s = engine_->mark().time_s;
+    record_.recoveries.push_back({rejection.cause, *remedy});
+    const core::SettingChange change = starts_over(*remedy) ? start_over() : go_back(*remedy);
+    record_.notes.push_back(note_of(rejection, change, *remedy, back_to_s));
+    callbacks_.log("recovery: " + record_.notes.back().path + " = " +
+                   std::to_string(record_.notes.back().value) + ": " +
+                   record_.notes.back().evidence);
+    return true;
+  }
+
+  core::SettingChange go_back(core::Remedy remedy) {
+    const FrameSchedule::State frames = engine_->mark().frames;
+    if (keeps_frames()) {
+      frames_.restore(frames);
+      storage_.drop_frames_from(frames.next_index);
+    }
+    return engine_->go_back(remedy);
+  }
+
+  core::SettingChange start_over() {
+    fold_engine();
+    if (keeps_frames()) {
+      frames_.restore({});
+      storage_.drop_frames_from(0);
+    }
+    auto simulation = make_simulation(nullptr);
+    core::SettingChange change;
+    for (const core::Remedy remedy : active_remedies(record_.recoveries))
+      change = simulation->apply(remedy);
+    engine_.emplace(std::move(simulation), record_.costs);
+    set_mark();
+    return change;
+  }
+
   // ---- on the way
 
   void report_progress(double least_fraction = 0) {
@@ -181,13 +243,21 @@ class TaskRun {
     callbacks_.progress(progress);
   }
 
+  // Preferably at a mark, where the state is saved once instead of twice.
+  bool checkpoint_is_due() const {
+    const double now_s = wall_now_s();
+    return checkpoints_.due(now_s) && (engine_->at_mark() || checkpoints_.overdue(now_s));
+  }
+
   void save_checkpoint() {
     const AddedCpuTime output(output_cpu_s_);
     const CostTimer timer;
     RunRecord record = record_;
     record.frames = frames_.state();
     record.costs = costs_so_far();
-    storage_.save(record, engine_->simulation().snapshot());
+    record.mark = engine_->mark();
+    storage_.save(record, engine_->simulation().snapshot(),
+                  engine_->at_mark() ? nullptr : &engine_->mark_state());
     checkpoints_.note(wall_now_s(), timer.wall_s());
   }
 
@@ -195,6 +265,7 @@ class TaskRun {
     if (filling_done_ || replicate() > 0 || spec_.filling_key.empty() ||
         spec_.filling_output.empty())
       return;
+    if (!record_.recoveries.empty()) return;  // not what its key promises
     const auto filling = engine_->simulation().stored_filling();
     if (!filling) return;
     save_filling(files_, spec_, {*filling, costs_so_far().cpu_s});
@@ -217,15 +288,31 @@ class TaskRun {
     report.state_hash = combine_state_hashes(record_.finished);
     report.ledger = worst_ledger(record_.finished);
     report.warnings = record_.first.warnings;
+    warn_of_trouble(report);
     TaskOutcome outcome = publish(report, v1::TaskFinished::COMPLETE);
     outcome.series = series_message(record_.first.series);
     return outcome;
   }
 
+  void warn_of_trouble(RunReport& report) const {
+    for (const RecoveryNote& note : record_.notes)
+      report.warnings.push_back("recovered: " + note.path + ": " + note.evidence);
+    if (report.ledger.remainder_ratio() > kSuspectRemainder)
+      report.warnings.push_back("the energy ledger does not close: " +
+                                std::to_string(100 * report.ledger.remainder_ratio()) +
+                                " % of the energy exchanged is missing");
+  }
+
   TaskOutcome unstable() {
     RunReport report;
     report.state = "unstable";
-    report.message = describe(*engine_->rejection());
+    core::Rejection rejection = *engine_->rejection();
+    if (rejection.suggestion.empty())
+      rejection.suggestion = std::string("a smaller ") +
+                             (spec_.scene.has_chute() ? "chute" : "discharge") + ".time_step_s";
+    report.message = describe(rejection);
+    for (const RecoveryNote& note : record_.notes)
+      report.warnings.push_back("recovery tried: " + note.path + ": " + note.evidence);
     report.ledger = engine_->last_good_ledger();
     fold_engine();
     TaskOutcome outcome = publish(report, v1::TaskFinished::UNSTABLE);

@@ -1,5 +1,6 @@
 #include "worker/run/sentinels.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -40,7 +41,48 @@ std::optional<NonFinite> find_non_finite(std::span<const core::ColumnView> colum
 }
 
 core::Rejection rejection_of(const NonFinite& where, double time_s) {
-  return {time_s, where.column + " is not finite", {where.row}, "halve time_step_s"};
+  return {time_s, where.column + " is not finite", {where.row}, "", core::Cause::not_finite};
+}
+
+std::optional<core::Rejection> energy_rejection(const core::EnergyLedger& ledger, double time_s) {
+  const double stored = std::abs(ledger.kinetic_j) + std::abs(ledger.potential_j) +
+                        std::abs(ledger.elastic_j) + std::abs(ledger.stored_at_start_j);
+  const auto exceeds = [&](double energy, double share) {
+    return energy > share * ledger.throughput_j && energy > kRemainderRounding * stored;
+  };
+  const double integrator = ledger[core::EnergyChannel::integrator];
+  const double dissipated = integrator + ledger[core::EnergyChannel::normal_damping] +
+                            ledger[core::EnergyChannel::friction] +
+                            ledger[core::EnergyChannel::rolling];
+  const double missing = std::abs(ledger.remainder_j());
+  const double added = -std::min(integrator, dissipated);
+  char text[112];
+  if (exceeds(missing, kWrongRemainder)) {
+    std::snprintf(text, sizeof text, "%.2g of the energy exchanged is missing from the ledger",
+                  ledger.remainder_ratio());
+  } else if (exceeds(added, kLargestGain)) {
+    std::snprintf(text, sizeof text, "%s added %.2g of the energy exchanged",
+                  integrator < dissipated ? "the integrator" : "contacts that only dissipate",
+                  added / ledger.throughput_j);
+  } else {
+    return std::nullopt;
+  }
+  return core::Rejection{time_s, text, {}, "", core::Cause::energy};
+}
+
+std::optional<core::Rejection> convergence_rejection(std::uint64_t unconverged, std::uint64_t steps,
+                                                     double time_s) {
+  if (static_cast<double>(unconverged) <= kLargestUnconvergedShare * static_cast<double>(steps))
+    return std::nullopt;
+  char text[96];
+  std::snprintf(text, sizeof text, "the contact solver did not settle in %llu of %llu steps",
+                static_cast<unsigned long long>(unconverged),
+                static_cast<unsigned long long>(steps));
+  return core::Rejection{time_s,
+                         text,
+                         {},
+                         "discharge.solver.method IMPULSE, or a smaller discharge.time_step_s",
+                         core::Cause::not_converged};
 }
 
 std::vector<std::string> withhold_non_finite(std::vector<core::ObservedValue>& values) {

@@ -1,5 +1,6 @@
 #include "worker/run/watched_engine.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -17,7 +18,9 @@ WatchedEngine::WatchedEngine(std::unique_ptr<core::Simulation> simulation, RunCo
 
 core::AdvanceStatus WatchedEngine::advance(double limit_s) {
   const CostTimer timer;
-  const core::AdvanceOutcome outcome = simulation_->advance(limit_s, chunk_.steps());
+  const std::uint64_t to_mark = next_mark_ > now_.steps ? next_mark_ - now_.steps : 1;
+  const core::AdvanceOutcome outcome =
+      simulation_->advance(limit_s, std::min(chunk_.steps(), to_mark));
   const std::uint64_t steps = book(timer.wall_s(), timer.cpu_s());
   if (outcome.status == core::AdvanceStatus::advanced && steps == 0)
     throw std::logic_error("the engine does not advance");
@@ -44,8 +47,9 @@ std::uint64_t WatchedEngine::book(double wall_s, double cpu_s) {
 }
 
 bool WatchedEngine::energies_are_finite() {
-  if (ledger_is_finite(simulation_->ledger())) {
-    last_good_ledger_ = simulation_->ledger();
+  const core::EnergyLedger ledger = simulation_->ledger();  // engines may have to add it up
+  if (ledger_is_finite(ledger)) {
+    last_good_ledger_ = ledger;
     return true;
   }
   const auto where = find_non_finite(simulation_->physical_state());
@@ -57,6 +61,41 @@ bool WatchedEngine::accepts(std::span<const core::ColumnView> columns) {
   const auto where = find_non_finite(columns);
   if (where) rejection_ = rejection_of(*where, now_.time_s);
   return !where;
+}
+
+bool WatchedEngine::reject(std::optional<core::Rejection> rejection) {
+  if (rejection) rejection_ = std::move(rejection);
+  return !rejection_;
+}
+
+bool WatchedEngine::is_sound() {
+  if (!reject(convergence_rejection(simulation_->unconverged_steps() - mark_.unconverged_steps,
+                                    now_.steps - mark_.steps, now_.time_s)))
+    return false;
+  return reject(energy_rejection(last_good_ledger_, now_.time_s));
+}
+
+void WatchedEngine::set_mark(const FrameSchedule::State& frames) {
+  set_mark({now_.steps, simulation_->unconverged_steps(), now_.time_s,
+            costs_.contacts_per_particle_sum, frames},
+           simulation_->snapshot());
+}
+
+void WatchedEngine::set_mark(const Mark& mark, core::State state) {
+  mark_ = mark;
+  mark_state_ = std::move(state);
+  next_mark_ = mark_.steps + std::max<std::uint64_t>(1, simulation_->steps_between_marks());
+}
+
+core::SettingChange WatchedEngine::go_back(core::Remedy remedy) {
+  simulation_->restore(mark_state_);
+  const core::SettingChange change = simulation_->apply(remedy);
+  rejection_.reset();
+  now_ = simulation_->progress();
+  costs_.contacts_per_particle_sum = mark_.contacts_per_particle_sum;
+  // The changed setting is part of the state that is gone back to next time.
+  set_mark(mark_.frames);
+  return change;
 }
 
 }  // namespace granary::run

@@ -1,5 +1,6 @@
-// One simulation under watch: advanced in chunks of about 50 ms, its price booked, and its state
-// checked after each chunk, so that nothing that is no number gets any further.
+// One simulation under watch: advanced in chunks of about 50 ms that end at its marks, its price
+// booked, and its state checked after each chunk and more closely at marks, so that nothing that is
+// no number gets any further.
 #pragma once
 
 #include <memory>
@@ -8,6 +9,7 @@
 
 #include "worker/core/simulation.h"
 #include "worker/run/pacing.h"
+#include "worker/run/recovery.h"
 #include "worker/run/run_record.h"
 
 namespace granary::run {
@@ -17,8 +19,22 @@ class WatchedEngine {
   // Engine seconds and contacts are added to `costs`, which outlives this.
   WatchedEngine(std::unique_ptr<core::Simulation> simulation, RunCosts& costs);
 
-  // Not beyond `limit_s` of simulated time. Throws std::logic_error when the engine makes no step.
+  // Not beyond `limit_s` of simulated time, nor beyond the next mark. Throws std::logic_error when
+  // the engine makes no step.
   core::AdvanceStatus advance(double limit_s);
+
+  bool at_mark() const { return now_.steps == mark_.steps; }
+  bool mark_due() const { return now_.steps >= next_mark_; }
+  const Mark& mark() const { return mark_; }
+  // The sentinels' verdict on what happened since the last mark; false sets rejection().
+  bool is_sound();
+  // The present state becomes the last mark; a resumed run brings its own.
+  void set_mark(const FrameSchedule::State& frames);
+  void set_mark(const Mark& mark, core::State state);
+  const core::State& mark_state() const { return mark_state_; }
+
+  // Back to the mark, with one setting changed. Precondition: the simulation knows the remedy.
+  core::SettingChange go_back(core::Remedy remedy);
 
   // The sentinels' verdict on these columns; false sets rejection().
   bool accepts(std::span<const core::ColumnView> columns);
@@ -32,6 +48,7 @@ class WatchedEngine {
  private:
   std::uint64_t book(double wall_s, double cpu_s);
   bool energies_are_finite();
+  bool reject(std::optional<core::Rejection> rejection);
 
   std::unique_ptr<core::Simulation> simulation_;
   RunCosts& costs_;
@@ -40,6 +57,9 @@ class WatchedEngine {
   ChunkPacer chunk_;
   std::optional<core::Rejection> rejection_;
   core::EnergyLedger last_good_ledger_;
+  Mark mark_;
+  core::State mark_state_;
+  std::uint64_t next_mark_ = 0;
 };
 
 }  // namespace granary::run

@@ -11,6 +11,8 @@ namespace {
 
 // A layer enters this far upstream of x = 0, in lattice constants: more than a contact's reach.
 constexpr double kEntryDepth = 2;
+// A snapshot costs about as much as twenty steps.
+constexpr std::uint64_t kStepsBetweenMarks = 4096;
 
 std::vector<double> flat(const std::vector<core::Vec3>& vectors) {
   std::vector<double> values;
@@ -143,7 +145,7 @@ core::SimulationProgress ChuteSimulation::progress() const {
   progress.phase = is_filling() ? "filling" : "flow";
   progress.time_s = now();
   progress.end_time_s = plan_.duration;
-  progress.steps = filling_steps_ + engine().step();
+  progress.steps = filling_steps_ + engine().step() - steps_not_made_;
   progress.particle_steps = filling_particle_steps_ + engine().particle_steps();
   progress.particles = engine().grain_count();
   progress.contacts = engine().contact_count();
@@ -179,9 +181,30 @@ std::vector<core::ColumnView> ChuteSimulation::frame() const {
 
 std::vector<core::ColumnView> ChuteSimulation::physical_state() const {
   shown_ = engine().snapshot().columns;
+  // Part of the lists, and infinite where a block has no wall to come near to.
+  std::erase_if(shown_, [](const core::Column& column) { return column.name == "dem.wall_rooms"; });
   std::vector<core::ColumnView> views;
   for (const core::Column& column : shown_) views.push_back(core::view_of(column));
   return views;
+}
+
+// --------------------------------------------------------------------------------------- recovery
+
+std::uint64_t ChuteSimulation::steps_between_marks() const {
+  return kStepsBetweenMarks;
+}
+
+bool ChuteSimulation::knows(core::Remedy remedy) const {
+  return remedy == core::Remedy::halve_time_step;
+}
+
+core::SettingChange ChuteSimulation::apply(core::Remedy) {
+  const double before = plan_.engine.time_step;
+  plan_.engine.time_step = 0.5 * before;
+  steps_not_made_ += engine().step();
+  engine_->halve_time_step();
+  if (filling_engine_) filling_engine_->halve_time_step();
+  return {"chute.time_step_s", before, plan_.engine.time_step};
 }
 
 // ------------------------------------------------------------------------------------ checkpoints
@@ -192,6 +215,7 @@ core::State ChuteSimulation::snapshot() const {
   state.put_scalar<std::uint8_t>("chute.filling", "1", is_filling() ? 1 : 0);
   state.put_scalar("chute.filling_steps", "1", filling_steps_);
   state.put_scalar("chute.filling_particle_steps", "1", filling_particle_steps_);
+  state.put_scalar("chute.steps_not_made", "1", steps_not_made_);
   state.put_scalar("chute.layers_entered", "1", layers_entered_);
   state.put_scalar("chute.layers_freed", "1", layers_freed_);
   state.put_scalar("chute.next_to_free", "1", next_to_free_);
@@ -203,7 +227,10 @@ core::State ChuteSimulation::snapshot() const {
 }
 
 void ChuteSimulation::restore(const core::State& state) {
+  filling_.reset();
   if (state.get_scalar<std::uint8_t>("chute.filling") != 0) {
+    engine_ = dem::make_engine(plan_.engine);  // what was filled into it has not happened yet
+    engine_->insert(plan_.beads);
     filling_engine_ = make_filling(plan_);
     filling_engine_->restore(state);
   } else {
@@ -213,6 +240,7 @@ void ChuteSimulation::restore(const core::State& state) {
   observer_.load(state);
   filling_steps_ = state.get_scalar<std::uint64_t>("chute.filling_steps");
   filling_particle_steps_ = state.get_scalar<std::uint64_t>("chute.filling_particle_steps");
+  steps_not_made_ = state.get_scalar<std::uint64_t>("chute.steps_not_made");
   layers_entered_ = state.get_scalar<std::int64_t>("chute.layers_entered");
   layers_freed_ = state.get_scalar<std::int64_t>("chute.layers_freed");
   next_to_free_ = state.get_scalar<std::int64_t>("chute.next_to_free");

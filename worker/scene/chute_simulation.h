@@ -27,6 +27,9 @@ class ChuteSimulation final : public core::Simulation {
   void restore(const core::State& state) override;
   std::optional<core::State> stored_filling() const override { return filling_; }
   std::vector<core::PhaseSeconds> profile() const override { return engine().profile(); }
+  std::uint64_t steps_between_marks() const override;
+  bool knows(core::Remedy remedy) const override;
+  core::SettingChange apply(core::Remedy remedy) override;
 
  private:
   bool is_filling() const { return filling_engine_ != nullptr; }
@@ -51,6 +54,7 @@ class ChuteSimulation final : public core::Simulation {
   measure::ChuteObserver observer_;
   std::uint64_t filling_steps_ = 0;
   std::uint64_t filling_particle_steps_ = 0;
+  std::uint64_t steps_not_made_ = 0;  // step numbers skipped when the time step was halved
   std::int64_t layers_entered_ = 0;
   std::int64_t layers_freed_ = 0;
   std::int64_t next_to_free_ = 0;  // id of the first grain still carried

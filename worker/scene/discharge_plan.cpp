@@ -161,6 +161,7 @@ DischargePlan make_discharge_plan(const v1::Scene& resolved) {
   const double depth =
       value_or(d.particles().has_axial_depth_m(), d.particles().axial_depth_m(), 1);
   plan.pulley_radius = value_or(d.has_pulley_radius_m(), d.pulley_radius_m(), 0.5);
+  plan.axial_depth = depth;
   read_contact(resolved, depth, plan);
   read_disks(resolved, depth, plan);
   read_motion(d, plan);

@@ -19,6 +19,7 @@ struct DischargePlan {
 
   dda::ContactSettings contact;    // for the whole axial depth
   double filling_stiffness = 1e7;  // N/m, whole axial depth
+  double axial_depth = 1;          // m
   dda::SolverSettings solver;      // during the rotation; fillings use IMPULSE, backward Euler
   dda::PenaltyGrowth penalty;      // during the rotation
   double filling_tolerance = 0.3;

@@ -19,37 +19,12 @@ constexpr double kSettledShare = 1e-6;    // kinetic energy / its peak (PHYSICS 
 constexpr double kLongestFilling = 5;     // s, then the run goes on with a warning
 constexpr double kExpectedFilling = 0.8;  // s, for the progress bar only
 constexpr double kLongestLanding = 5;     // s after the end angle; what flies then never lands
-constexpr double kHopelessOverlap = 1.0;  // overlap / smallest radius: disks pass through
-constexpr double kHopelessPath = 100;     // radii in one step
 constexpr double kFillingShare = 0.5;     // of the progress bar
 constexpr double kRotationShare = 0.45;
 
 // A step near `wanted` of which `duration` is a whole multiple.
 double fitting_step(double duration, double wanted) {
   return duration / std::max(1.0, std::ceil(duration / wanted - 1e-9));
-}
-
-double smallest_radius(const dda::Disks& disks) {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < disks.count(); ++k)
-    smallest = std::min(smallest, disks.pose[k].radius);
-  return smallest;
-}
-
-// The energy bounds every speed, so that disks are only looked at when something is wrong.
-bool runaway(const dda::System& system) {
-  const double farthest = kHopelessPath * smallest_radius(system.disks);
-  double lightest = 0;  // as inverse mass
-  for (const dda::DiskMotion& v : system.disks.motion)
-    lightest = std::max(lightest, v.inverse_mass);
-  const double dt2 = system.time_step * system.time_step;
-  if (2 * system.report.kinetic_energy * lightest * dt2 < farthest * farthest) return false;
-  for (std::size_t k = 0; k < system.disks.count(); ++k) {
-    const dda::DiskMotion& v = system.disks.motion[k];
-    if (!system.disks.landed[k] && (v.vx * v.vx + v.vy * v.vy) * dt2 > farthest * farthest)
-      return true;
-  }
-  return false;
 }
 
 dda::Vec2 mass_centre(const dda::Disks& disks) {
@@ -256,27 +231,6 @@ void DischargeSimulation::after_step() {
     case DischargePhase::finished:
       return;
   }
-}
-
-std::optional<core::Rejection> DischargeSimulation::check_sentinels() const {
-  if (!std::isfinite(system_.report.kinetic_energy))
-    return core::Rejection{shown_time(),
-                           "the velocities are no longer finite",
-                           {},
-                           "use a smaller discharge.time_step_s"};
-  if (system_.report.worst_overlap > kHopelessOverlap * smallest_radius(system_.disks))
-    return core::Rejection{shown_time(),
-                           "two bodies overlap by more than a radius",
-                           {},
-                           "use a smaller discharge.time_step_s or a larger "
-                           "discharge.penalty.stiffness_n_per_m"};
-  if (runaway(system_))
-    return core::Rejection{
-        shown_time(),
-        "a disk moved by more than a hundred radii in one step",
-        {},
-        "use a smaller discharge.time_step_s, or discharge.solver.method IMPULSE"};
-  return {};
 }
 
 core::AdvanceOutcome DischargeSimulation::advance(double until_time_s, std::uint64_t max_steps) {

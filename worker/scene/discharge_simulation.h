@@ -31,6 +31,10 @@ class DischargeSimulation : public core::Simulation {
   void restore(const core::State& state) override;
   std::optional<core::State> stored_filling() const override { return filling_; }
   std::vector<core::PhaseSeconds> profile() const override;
+  std::uint64_t steps_between_marks() const override;
+  std::uint64_t unconverged_steps() const override;
+  bool knows(core::Remedy remedy) const override;
+  core::SettingChange apply(core::Remedy remedy) override;
 
   const dda::System& system() const { return system_; }
   DischargePhase phase() const { return phase_; }

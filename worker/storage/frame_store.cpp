@@ -1,6 +1,7 @@
 #include "worker/storage/frame_store.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "worker/storage/storage_error.h"
 
@@ -58,6 +59,34 @@ void FrameStore::restore(std::vector<SegmentInfo> segments) {
 
 void FrameStore::clear() {
   restore({});
+}
+
+void FrameStore::drop_from(std::uint64_t frame_index) {
+  std::vector<Frame> kept;  // of segments that go further
+  const auto take_back = [&](const std::string& name) {
+    std::vector<Frame> earlier;
+    visit_segment(name, [&](const Frame& frame) {
+      if (frame.index < frame_index) earlier.push_back(frame);
+    });
+    kept.insert(kept.begin(), std::make_move_iterator(earlier.begin()),
+                std::make_move_iterator(earlier.end()));
+    files_.remove(directory_ / name);
+  };
+  if (writer_) {
+    take_back(open_segment_name(next_index()));
+    writer_.reset();
+  }
+  while (!sealed_.empty() &&
+         sealed_.back().first_frame + sealed_.back().frame_count > frame_index) {
+    const std::string name = sealed_.back().name;
+    take_back(name);
+    sealed_.pop_back();
+  }
+  for (const Frame& frame : kept) {
+    std::vector<core::ColumnView> columns;
+    for (const core::Column& column : frame.columns) columns.push_back(core::view_of(column));
+    append({frame.index, frame.time_s, frame.phase, columns});
+  }
 }
 
 void FrameStore::visit_segment(const std::string& name, const FrameVisitor& visit) {

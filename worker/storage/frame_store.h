@@ -24,6 +24,9 @@ class FrameStore {
   // Goes back to the listed segments and deletes all others. StorageError(damaged) when one of
   // them is missing or its checksum is wrong.
   void restore(std::vector<SegmentInfo> segments);
+  // Forgets the frames from this index on: the run has gone back. Until the next checkpoint the one
+  // on disk may name a segment that is gone, and is then passed over.
+  void drop_from(std::uint64_t frame_index);
   // All frames in order, the open segment's included. StorageError: damaged on a torn record,
   // foreign on a segment of another run.
   void for_each(const FrameVisitor& visit);

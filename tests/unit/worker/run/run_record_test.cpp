@@ -20,6 +20,10 @@ RunRecord sample() {
   record.first.warnings = {"one", "two"};
   record.first.effect_evaluations = {{"gas", 0}, {"cohesion", 17}};
   record.frames = {true, 0.25, 10, 7, 1.75, 1.5};
+  record.mark.steps = 512;
+  record.mark.frames.next_index = 6;
+  record.recoveries = {{core::Cause::speed, core::Remedy::halve_time_step}};
+  record.notes = {{"chute.time_step_s", 5e-6, "too fast"}};
   record.costs.cpu_s = 9.5;
   record.costs.steps = 1000;
   return record;
@@ -41,6 +45,12 @@ TEST(RunRecord, comes_back_whole_from_its_bytes) {
   EXPECT_EQ(back.first.effect_evaluations, sample().first.effect_evaluations);
   EXPECT_EQ(back.frames.next_index, 7u);
   EXPECT_EQ(back.frames.last_time_s, 1.5);
+  EXPECT_EQ(back.mark.steps, 512u);
+  EXPECT_EQ(back.mark.frames.next_index, 6u);
+  EXPECT_EQ(back.recoveries.at(0).remedy, core::Remedy::halve_time_step);
+  EXPECT_EQ(back.notes.at(0).path, "chute.time_step_s");
+  EXPECT_EQ(back.notes[0].value, 5e-6);
+  EXPECT_EQ(back.notes[0].evidence, "too fast");
   EXPECT_EQ(back.costs.cpu_s, 9.5);
   EXPECT_EQ(back.costs.steps, 1000u);
 }

@@ -76,6 +76,28 @@ TEST(FrameStore, drops_what_came_after_the_checkpoint) {
   EXPECT_EQ(indices_in(resumed), (std::vector<std::uint64_t>{0, 1}));
 }
 
+TEST(FrameStore, goes_back_over_open_and_sealed_segments) {
+  TemporaryDirectory directory;
+  FrameStore store(real_file_system(), directory.path(), kIdentity, "");
+  for (std::uint64_t index = 0; index < 3; ++index) append_frame(store, index);
+  store.seal();
+  append_frame(store, 3);
+  store.seal();
+  append_frame(store, 4);
+  append_frame(store, 5);
+
+  store.drop_from(5);  // in the open segment
+  EXPECT_EQ(indices_in(store), (std::vector<std::uint64_t>{0, 1, 2, 3, 4}));
+  store.drop_from(2);  // across both sealed ones
+  EXPECT_EQ(indices_in(store), (std::vector<std::uint64_t>{0, 1}));
+  append_frame(store, 2);
+  store.seal();
+  EXPECT_EQ(indices_in(store), (std::vector<std::uint64_t>{0, 1, 2}));
+  store.drop_from(0);
+  EXPECT_TRUE(indices_in(store).empty());
+  EXPECT_TRUE(real_file_system().list(directory.path()).empty());
+}
+
 TEST(FrameStore, what_is_sealed_survives_a_power_cut) {
   TemporaryDirectory directory;
   const Path run = directory / "run";
