@@ -10,6 +10,10 @@ namespace {
 // Slower approaches than this do not bounce: below it resting contacts would chatter.
 constexpr double kRestitutionThreshold = 0.02;  // m/s; a fall of 0.02 mm
 constexpr std::uint32_t kMostSmallSteps = 200;
+// A step begins with the springs' forces alone, without those of the dashpots, and new normals.
+// What its first small step misses must be made up before the next step: with one small step a bed
+// of soft disks rattles at 0.04 m/s for ever, with two it settles, with three as fast as with many.
+constexpr std::uint32_t kFewestSmallSteps = 3;
 // Bridges between disks break at this gap / mean diameter. Well below the speculative margin, so
 // that every bridge is among the contacts of a step.
 constexpr double kCohesionRange = 0.01;
@@ -27,7 +31,7 @@ std::uint32_t small_step_count(const System& system) {
   const double kappa =
       system.contact.stiffness * system.time_step * system.time_step / system.mean_mass;
   const double count = std::ceil(std::sqrt(kappa / system.solver.small_step_kappa));
-  return static_cast<std::uint32_t>(std::clamp<double>(count, 1, kMostSmallSteps));
+  return static_cast<std::uint32_t>(std::clamp<double>(count, kFewestSmallSteps, kMostSmallSteps));
 }
 
 CandidateArrays arrays_of(const CandidateList& list) {

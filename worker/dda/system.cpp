@@ -1,5 +1,8 @@
 #include "worker/dda/system.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "worker/dda/step_energy.h"
 
 namespace granary::dda {
@@ -19,8 +22,12 @@ double mean_radius(const Disks& disks) {
 void note_masses(System& system) {
   system.mass.resize(system.disks.count());
   double sum = 0;
-  for (std::size_t k = 0; k < system.mass.size(); ++k)
+  system.smallest_radius = system.lightest = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < system.mass.size(); ++k) {
     sum += system.mass[k] = 1 / system.disks.motion[k].inverse_mass;
+    system.lightest = std::min(system.lightest, system.mass[k]);
+    system.smallest_radius = std::min(system.smallest_radius, system.disks.pose[k].radius);
+  }
   system.mean_radius = mean_radius(system.disks);
   system.mean_mass = system.mass.empty() ? 0 : sum / static_cast<double>(system.mass.size());
 }

@@ -121,7 +121,8 @@ struct System {
   // Derived from the disks by note_masses().
   std::vector<double> mass;  // kg
   double mean_mass = 0;
-  double mean_radius = 0;
+  double mean_radius = 0, smallest_radius = 0;
+  double lightest = 0;  // kg
 
   core::EnergyLedger ledger;
   bool ledger_is_new = true;  // overlaps at its start are only seen in its first step

@@ -1,6 +1,7 @@
 // Results of a discharge: named values, tables and the columns of a frame.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "worker/scene/discharge_simulation.h"
@@ -114,8 +115,28 @@ core::Table bucket_table(const dda::BucketGeometry& bucket) {
            make_column<std::uint32_t>("wall", "1", wall)}};
 }
 
+// Energy that raising the penalty under load has put into the bed comes out as speed: worth a word
+// from 2 % of the belt speed on.
+constexpr double kWarnedSpeedShare = 0.02;
+
+void warn_of_penalty(const dda::System& system, const DischargeRecord& record,
+                     std::vector<std::string>& warnings) {
+  const double added = -system.ledger[core::EnergyChannel::penalty_change];
+  if (added <= 0 || record.initial_mass <= 0) return;
+  const double speed = std::sqrt(2 * added / record.initial_mass);
+  if (speed < kWarnedSpeedShare * system.drive.belt_speed()) return;
+  char text[160];
+  std::snprintf(
+      text, sizeof text,
+      "raising the penalty under load put %.2g J into the bed, enough to throw it apart at "
+      "%.2g m/s: fill and run at the same penalty",
+      added, speed);
+  warnings.emplace_back(text);
+}
+
 std::vector<std::string> warnings_of(const dda::System& system, const DischargeRecord& record) {
   std::vector<std::string> warnings;
+  warn_of_penalty(system, record, warnings);
   if (!record.settled) warnings.push_back("the filling had not come to rest when the motion began");
   const dda::StepCounters& c = system.counters;
   if (c.unconverged_steps > 0)

@@ -5,6 +5,8 @@
 
 #include "proto/contract/resolve.h"
 #include "proto/contract/scene_text.h"
+#include "tests/support/shipped_scenes.h"
+#include "worker/core/random.h"
 #include "worker/scene/discharge.h"
 
 namespace granary::scene {
@@ -55,6 +57,37 @@ TEST(DischargeResume, continues_bitwise_from_a_snapshot_at_any_step) {
     finish(*second, 1000000);
     EXPECT_EQ(hash(*second), reference_hash()) << steps;
     EXPECT_LT(second->ledger().remainder_ratio(), 1e-3);
+  }
+}
+
+// Steps drawn at random over filling, rotation and landing, with every contact law and damping on.
+TEST(DischargeResume, continues_bitwise_from_random_steps_with_all_laws) {
+  const auto scene =
+      tests::shipped_scene("discharge_small", {{"discharge.cohesion_n_per_m", "0.05"},
+                                               {"discharge.rolling_friction_coefficient", "0.1"},
+                                               {"discharge.damping_per_s", "0.5"},
+                                               {"discharge.normal_restitution", "0.3"}});
+  const auto whole = make_discharge(scene);
+  finish(*whole, 1000000);
+  const std::uint64_t last = whole->progress().steps;
+  for (std::uint64_t draw = 0; draw < 5; ++draw) {
+    const std::uint64_t steps = 1 + core::random_bits(7, 1, draw) % (last - 1);
+    const auto first = make_discharge(scene);
+    first->advance(1e9, steps);
+    const auto second = make_discharge(scene);
+    second->restore(first->snapshot());
+    finish(*second, 1000000);
+    EXPECT_EQ(hash(*second), hash(*whole)) << steps;
+    EXPECT_EQ(second->ledger().channels_j, whole->ledger().channels_j) << steps;
+  }
+}
+
+TEST(DischargeResume, number_of_threads_changes_no_bit) {
+  for (const char* threads : {"1", "2", "4", "8"}) {
+    const auto simulation =
+        make_discharge(tests::shipped_scene("discharge_small", {{"threads", threads}}));
+    finish(*simulation, 1000000);
+    EXPECT_EQ(hash(*simulation), reference_hash()) << threads;
   }
 }
 
