@@ -27,22 +27,6 @@ double fitting_step(double duration, double wanted) {
   return duration / std::max(1.0, std::ceil(duration / wanted - 1e-9));
 }
 
-<<<<<<< HEAD
-=======
-// The energy bounds every speed, so that disks are only looked at when something is wrong.
-bool runaway(const dda::System& system) {
-  const double farthest = kHopelessPath * system.smallest_radius;
-  const double dt2 = system.time_step * system.time_step;
-  if (2 * system.report.kinetic_energy / system.lightest * dt2 < farthest * farthest) return false;
-  for (std::size_t k = 0; k < system.disks.count(); ++k) {
-    const dda::DiskMotion& v = system.disks.motion[k];
-    if (!system.disks.landed[k] && (v.vx * v.vx + v.vy * v.vy) * dt2 > farthest * farthest)
-      return true;
-  }
-  return false;
-}
-
->>>>>>> 22e18c5 (Score the bucket-elevator paper, show independence of step and penalty)
 dda::Vec2 mass_centre(const dda::Disks& disks) {
   double mass = 0;
   dda::Vec2 sum;
@@ -249,30 +233,6 @@ void DischargeSimulation::after_step() {
   }
 }
 
-<<<<<<< HEAD
-=======
-std::optional<core::Rejection> DischargeSimulation::check_sentinels() const {
-  if (!std::isfinite(system_.report.kinetic_energy))
-    return core::Rejection{shown_time(),
-                           "the velocities are no longer finite",
-                           {},
-                           "use a smaller discharge.time_step_s"};
-  if (system_.report.worst_overlap > kHopelessOverlap * system_.smallest_radius)
-    return core::Rejection{shown_time(),
-                           "two bodies overlap by more than a radius",
-                           {},
-                           "use a smaller discharge.time_step_s or a larger "
-                           "discharge.penalty.stiffness_n_per_m"};
-  if (runaway(system_))
-    return core::Rejection{
-        shown_time(),
-        "a disk moved by more than a hundred radii in one step",
-        {},
-        "use a smaller discharge.time_step_s, or discharge.solver.method IMPULSE"};
-  return {};
-}
-
->>>>>>> 22e18c5 (Score the bucket-elevator paper, show independence of step and penalty)
 core::AdvanceOutcome DischargeSimulation::advance(double until_time_s, std::uint64_t max_steps) {
   for (std::uint64_t k = 0; k < max_steps; ++k) {
     if (phase_ == DischargePhase::finished) return {core::AdvanceStatus::finished, {}};
