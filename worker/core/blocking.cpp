@@ -1,9 +1,10 @@
 #include "worker/core/blocking.h"
 
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <vector>
+
+#include "worker/core/student_t.h"
 
 namespace granary::core {
 namespace {
@@ -28,24 +29,13 @@ std::vector<double> pair_means(std::span<const double> x) {
 
 }  // namespace
 
-double student_t_975(std::size_t degrees_of_freedom) {
-  constexpr std::array<double, 11> small = {0,     12.706, 4.303, 3.182, 2.776, 2.571,
-                                            2.447, 2.365,  2.306, 2.262, 2.228};
-  if (degrees_of_freedom < small.size()) return small[degrees_of_freedom];
-  // Cornish-Fisher expansion about the normal quantile.
-  const double z = 1.959964;
-  const auto nu = static_cast<double>(degrees_of_freedom);
-  return z + (z * z * z + z) / (4 * nu) +
-         (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * nu * nu);
-}
-
 MeanWithError blocked_mean(std::span<const double> samples) {
   MeanWithError result;
   if (samples.empty()) return result;
   result.mean = mean_of(samples);
   std::vector<double> level(samples.begin(), samples.end());
   while (level.size() >= kMinBlocks) {
-    const double half_width = student_t_975(level.size() - 1) * standard_error(level);
+    const double half_width = student_t_quantile(0.95, static_cast<unsigned>(level.size() - 1)) * standard_error(level);
     if (!result.half_width || half_width > *result.half_width) {
       result.half_width = half_width;
       result.blocks = level.size();

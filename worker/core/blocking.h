@@ -19,9 +19,6 @@ struct MeanWithError {
 inline constexpr std::size_t kMinBlocks = 8;
 MeanWithError blocked_mean(std::span<const double> samples);
 
-// Two-sided 97.5 % quantile of Student's t (0.1 % accurate for >= 1 degrees of freedom).
-double student_t_975(std::size_t degrees_of_freedom);
-
 // Index of the first sample of the steady part: the cut that minimises the marginal standard error
 // of the rest, over batches of five; at most half of the record is cut. Absent when the minimum sits
 // at that limit (no steady part seen) or there are fewer than 20 samples.

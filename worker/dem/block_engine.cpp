@@ -47,14 +47,22 @@ std::uint64_t horizon_steps(const EngineSetup& setup) {
                                                static_cast<double>(kLongestHorizon)));
 }
 
+bool some_rolling_arm(const EngineSetup& setup) {
+  return setup.grain_grain.rolling_friction > 0 || setup.grain_wall.rolling_friction > 0;
+}
+
 const EngineSetup& checked(const EngineSetup& setup) {
-  if (setup.motion.frame == FrameKind::inertial && setup.motion.rotates()) {
-    throw std::invalid_argument("frame: turning walls need precision DOUBLE");
-  }
-  return setup;
+  if (BlockEngine::covers(setup)) return setup;
+  throw std::invalid_argument("the block engine does not cover this setup");
 }
 
 }  // namespace
+
+bool BlockEngine::covers(const EngineSetup& setup) {
+  const bool walls_turn = setup.motion.frame == FrameKind::inertial && setup.motion.rotates();
+  return setup.precision == Precision::mixed && setup.damping == Damping::semi_implicit &&
+         !walls_turn && effect_combination(setup.effects, some_rolling_arm(setup)).has_value();
+}
 
 BlockEngine::BlockEngine(const EngineSetup& setup, const Kernels& kernels)
     : setup_(checked(setup)),
@@ -63,7 +71,7 @@ BlockEngine::BlockEngine(const EngineSetup& setup, const Kernels& kernels)
       laws_(law_tables(setup)),
       wall_tables_(wall_tables(setup.walls)),
       body_(body_coefficients(setup)),
-      combination_(effect_combination(setup.effects, laws_.has_rolling_arm)),
+      combination_(*effect_combination(setup.effects, some_rolling_arm(setup))),
       integrate_(setup.motion.rotates() ? kernels.integrate_rotating : kernels.integrate),
       horizon_(horizon_steps(setup)),
       skin_(kSkinInDiameters * 2 * smallest_radius(setup)),
@@ -195,6 +203,7 @@ EffectCounts BlockEngine::effect_counts() const {
   return {.tangential_history = effects.tangential_history ? contacts : 0,
           .rolling_friction = effects.rolling_friction ? contacts : 0,
           .spin = effects.spin ? particle_steps_ : 0,
+          .cohesion = effects.cohesion ? contacts : 0,
           .rotating_frame = setup_.motion.rotates() ? particle_steps_ : 0};
 }
 

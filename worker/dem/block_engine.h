@@ -23,9 +23,11 @@ namespace granary::dem {
 
 class BlockEngine final : public Engine {
  public:
-  // Preconditions: at least one class, 0 < time_step <= stable_time_step(setup). Throws
-  // std::invalid_argument for what the kernels do not cover: turning walls, too many classes or
-  // walls.
+  // What the kernels do not cover: turning walls, double precision, predicted velocities,
+  // combinations of effects without a kernel.
+  static bool covers(const EngineSetup& setup);
+  // Preconditions: covers(setup), at least one class, 0 < time_step <= stable_time_step(setup).
+  // Throws std::invalid_argument for too many classes or walls.
   explicit BlockEngine(const EngineSetup& setup, const Kernels& kernels = dem::kernels());
 
   std::int64_t insert(std::span<const Grain> grains) override;
@@ -152,6 +154,7 @@ class BlockEngine final : public Engine {
   };
   Touch touch_of_pair(std::size_t a, std::size_t b) const;
   Touch touch_of_wall(std::size_t a, std::size_t wall) const;
+  double normal_energy(const Touch& touch, double overlap) const;
   double elastic_energy(const Touch& touch, const History& history) const;
   void book_unfinished(const Touch& touch, const History& history,
                        core::EnergyLedger& ledger) const;

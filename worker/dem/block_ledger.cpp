@@ -78,14 +78,21 @@ BlockEngine::Touch BlockEngine::touch_of_wall(std::size_t a, std::size_t wall) c
           .kind = class_[a]};
 }
 
+// Spring and attraction, which both have a potential [J].
+double BlockEngine::normal_energy(const Touch& touch, double overlap) const {
+  if (overlap <= 0) return 0;
+  const double attraction =
+      setup_.effects.cohesion ? touch.laws->cohesion[touch.kind] * overlap : 0;
+  return 0.5 * touch.laws->normal_stiffness[touch.kind] * overlap * overlap - attraction;
+}
+
 // Of overlap and spring of the last step, carried on by half a step.
 double BlockEngine::elastic_energy(const Touch& touch, const History& history) const {
   const double half_step = 0.5 * setup_.time_step;
   const double vn = dot(touch.velocity, touch.normal);
   const Vec3 velocity = touch.velocity + cross(touch.normal, touch.surface);
   const double overlap = touch.overlap + half_step * vn;
-  const double normal =
-      overlap > 0 ? 0.5 * touch.laws->normal_stiffness[touch.kind] * overlap * overlap : 0;
+  const double normal = normal_energy(touch, overlap);
   if (!setup_.effects.tangential_history) return normal;
   const Vec3 spring = Vec3{history.spring[0], history.spring[1], history.spring[2]} +
                       (velocity - touch.normal * vn) * half_step;
@@ -178,9 +185,7 @@ void BlockEngine::book_first_overlaps() {
     if (contact.overlap <= 0) return;
     const double overlap =
         contact.overlap + 0.5 * setup_.time_step * dot(contact.velocity, contact.normal);
-    if (overlap <= 0) return;
-    book(EnergyChannel::inlet,
-         -0.5 * contact.laws->normal_stiffness[contact.kind] * overlap * overlap);
+    book(EnergyChannel::inlet, -normal_energy(contact, overlap));
   });
   std::fill(fresh_.begin(), fresh_.end(), 0);
 }

@@ -23,11 +23,11 @@ double damping(double restitution, double mass, double stiffness) {
 }
 
 // Eq. 10, bounded by the torque that stops the relative spin within this step.
-Vec3 rolling_torque(const ContactCoefficients& law, double normal_force, const Vec3& spin_after,
+Vec3 rolling_torque(const ContactCoefficients& law, double pressing, const Vec3& spin_after,
                     double time_step) {
   const double rate = norm(spin_after);
   if (rate == 0) return {};
-  const double coulomb = law.rolling_arm * std::abs(normal_force);
+  const double coulomb = law.rolling_arm * std::abs(pressing);
   const double stopping = law.reduced_inertia * rate / time_step;
   return spin_after * (-std::min(coulomb, stopping) / rate);
 }
@@ -63,32 +63,32 @@ ContactForce evaluate_contact(const ContactGeometry& contact, const ContactCoeff
                               const ContactEffects& effects, const Vec3& spring_before,
                               double spin_response, double time_step) {
   const Vec3& n = contact.normal;
-  const double approach = dot(contact.relative_velocity, n);
-  const Vec3 sliding = contact.relative_velocity - n * approach;
+  const Vec3 sliding = contact.relative_velocity - n * dot(contact.relative_velocity, n);
+  const double approach = dot(contact.damped_velocity, n);
+  const Vec3 dashpot = (contact.damped_velocity - n * approach) * law.tangential_damping;
 
   ContactForce force;
-  force.elastic_normal = law.normal_stiffness * contact.overlap;
-  force.normal = force.elastic_normal + law.normal_damping * approach;
+  force.damping_normal = law.normal_damping * approach;
+  const double pressing = law.normal_stiffness * contact.overlap + force.damping_normal;
+  force.normal = effects.cohesion ? pressing - law.cohesion : pressing;
 
   const double stiffness = effects.tangential_history ? law.tangential_stiffness : 0;
   const Vec3 in_plane = spring_before - n * dot(spring_before, n);
-  const Vec3 trial_spring = in_plane + sliding * time_step;
-  const Vec3 trial = trial_spring * -stiffness - sliding * law.tangential_damping;
+  const Vec3 trial_spring = in_plane + sliding * (time_step * contact.touched_share);
+  const Vec3 trial = trial_spring * -stiffness - dashpot;
   const double size = norm(trial);
-  const double limit = law.friction * std::abs(force.normal);
+  const double limit = law.friction * std::abs(pressing);
   const double kept = size > limit ? limit / size : 1;
   force.tangential = trial * kept;
   if (effects.tangential_history) {
-    force.spring = kept < 1
-                       ? (force.tangential + sliding * law.tangential_damping) * (-1 / stiffness)
-                       : trial_spring;
+    force.spring = kept < 1 ? (force.tangential + dashpot) * (-1 / stiffness) : trial_spring;
     force.slip = trial_spring - force.spring;
   }
 
   if (effects.rolling_friction && law.rolling_arm > 0) {
     const Vec3 spin_after =
         contact.relative_spin + cross(n, force.tangential) * (spin_response * time_step);
-    force.rolling_torque = rolling_torque(law, force.normal, spin_after, time_step);
+    force.rolling_torque = rolling_torque(law, pressing, spin_after, time_step);
   }
   return force;
 }

@@ -17,12 +17,14 @@ struct ContactParameters {
   double friction = 0.12;                // mu
   double rolling_friction = 0;           // mu_r
   double tangential_stiffness = 0;       // N/m; 0: from the restitution coefficients
+  double cohesion_bond = 0;              // attraction while in touch / weight of the lighter grain
 };
 
 struct ContactEffects {
   bool tangential_history = true;  // off: dashpot only, still Coulomb-limited
   bool rolling_friction = true;
   bool spin = true;  // off: grains do not turn
+  bool cohesion = false;
 };
 
 // What a force evaluation needs for one pair of grain classes.
@@ -32,6 +34,7 @@ struct ContactCoefficients {
   double normal_damping = 0;        // eta_n [N s/m]
   double tangential_damping = 0;    // eta_t [N s/m]
   double friction = 0;              // mu
+  double cohesion = 0;              // F_c, attraction while in touch [N]
   double rolling_arm = 0;           // mu_r R_r [m], Eq. 12; a wall counts as R_r = R
   double reduced_inertia = 0;       // 1 / (1/I_a + 1/I_b) [kg m^2], bounds the rolling torque
 };
@@ -52,6 +55,8 @@ struct ContactGeometry {
   core::Vec3 normal;             // unit, from a to b
   double overlap = 0;            // [m]
   core::Vec3 relative_velocity;  // at the contact point, spins included [m/s]
+  core::Vec3 damped_velocity;    // what the dashpots see: the same, or carried on to the full step
+  double touched_share = 1;      // of the step that led here
   core::Vec3 relative_spin;      // of a relative to b [rad/s]
   double radius_a = 0;
   double radius_b = 0;  // 0 for a wall
@@ -59,7 +64,7 @@ struct ContactGeometry {
 
 struct ContactForce {
   double normal = 0;          // along -n on a; > 0 repels [N]
-  double elastic_normal = 0;  // its spring part
+  double damping_normal = 0;  // its dashpot part
   core::Vec3 tangential;      // on a [N]
   core::Vec3 spring;          // tangential elongation after this step [m]
   core::Vec3 slip;            // part of this step's sliding that the spring did not take up [m]

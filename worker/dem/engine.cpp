@@ -6,9 +6,8 @@
 namespace granary::dem {
 
 std::unique_ptr<Engine> make_engine(const EngineSetup& setup) {
-  const bool walls_turn = setup.motion.frame == FrameKind::inertial && setup.motion.rotates();
-  if (setup.precision == Precision::full || walls_turn) return std::make_unique<PlainEngine>(setup);
-  return std::make_unique<BlockEngine>(setup);
+  if (BlockEngine::covers(setup)) return std::make_unique<BlockEngine>(setup);
+  return std::make_unique<PlainEngine>(setup);
 }
 
 }  // namespace granary::dem

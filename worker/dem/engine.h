@@ -23,6 +23,7 @@ struct EffectCounts {
   std::uint64_t tangential_history = 0;
   std::uint64_t rolling_friction = 0;
   std::uint64_t spin = 0;
+  std::uint64_t cohesion = 0;
   std::uint64_t rotating_frame = 0;
 };
 
@@ -64,7 +65,8 @@ class Engine {
   virtual void restore(const core::State& state) = 0;
 };
 
-// The engine that runs this setup: BlockEngine, or PlainEngine where precision or frame ask for it.
+// The engine that runs this setup: BlockEngine where it can (BlockEngine::covers), else
+// PlainEngine.
 std::unique_ptr<Engine> make_engine(const EngineSetup& setup);
 
 }  // namespace granary::dem

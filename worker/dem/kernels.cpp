@@ -1,7 +1,5 @@
 #include "worker/dem/kernels.h"
 
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 namespace granary::dem {
@@ -12,18 +10,16 @@ extern const Kernels kAvx2Kernels;
 extern const Kernels kAvx512Kernels;
 #endif
 
-std::size_t effect_combination(const ContactEffects& effects, bool has_rolling_arm) {
+std::optional<std::size_t> effect_combination(const ContactEffects& effects, bool has_rolling_arm) {
   const bool rolls = effects.rolling_friction && effects.spin && has_rolling_arm;
-  std::string known;
   for (std::size_t k = 0; k < kEffectCombinationCount; ++k) {
     const ContactEffects& row = kEffectCombinations[k].effects;
     if (row.tangential_history == effects.tangential_history && row.rolling_friction == rolls &&
-        row.spin == effects.spin) {
+        row.spin == effects.spin && row.cohesion == effects.cohesion) {
       return k;
     }
-    known += std::string(k == 0 ? "" : "; ") + kEffectCombinations[k].name;
   }
-  throw std::invalid_argument("effects: no kernel for this combination, there are: " + known);
+  return std::nullopt;
 }
 
 std::span<const Kernels* const> available_kernels() {

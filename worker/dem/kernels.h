@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "worker/dem/contact_law.h"
@@ -39,6 +40,7 @@ struct alignas(64) LawTables {
   Row tangential_damping;
   Row friction;
   Row inverse_tangential_stiffness;  // 0 without history
+  Row cohesion;                      // attraction while in touch [N]
   Row rolling_arm;                   // mu_r R_r [m]
   Row stopping;                      // reduced inertia / dt
   Row inverse_radius_a;
@@ -160,6 +162,8 @@ struct EffectCombination {
   ContactEffects effects;
 };
 inline constexpr EffectCombination kEffectCombinations[] = {
+    {"spring + rolling + spin + cohesion", {true, true, true, true}},
+    {"spring + spin + cohesion", {true, false, true, true}},
     {"spring + rolling + spin", {true, true, true}},
     {"spring + spin", {true, false, true}},
     {"spring", {true, false, false}},
@@ -180,8 +184,8 @@ struct Kernels {
 };
 
 // Row of kEffectCombinations that runs a setup. Rolling friction counts only if some contact has
-// it. Throws std::invalid_argument, listing the table, when there is none.
-std::size_t effect_combination(const ContactEffects& effects, bool has_rolling_arm);
+// it. Absent where there is none.
+std::optional<std::size_t> effect_combination(const ContactEffects& effects, bool has_rolling_arm);
 
 // The fastest variant that this processor runs.
 const Kernels& kernels();

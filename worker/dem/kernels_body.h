@@ -115,11 +115,11 @@ inline Tangential slide(const Encounter& c, const Vec& sliding, const Vec& sprin
 
 // Rolling torque on the grain, bounded by what stops the relative spin after the contact's own
 // torque.
-inline Vec roll(const Encounter& c, const Vec& turning, const Lanes& normal_force,
+inline Vec roll(const Encounter& c, const Vec& turning, const Lanes& pressing,
                 const LawTables& laws, const Kinds& kinds) {
   const Vec spin_after = c.spin + turning * lookup(laws.spin_response, kinds);
   const Lanes rate = square_root(dot(spin_after, spin_after));
-  const Lanes coulomb = lookup(laws.rolling_arm, kinds) * normal_force;
+  const Lanes coulomb = lookup(laws.rolling_arm, kinds) * pressing;
   const Lanes stopping = lookup(laws.stopping, kinds) * rate;
   const Lanes share = smaller(coulomb, stopping) / rate;
   return only(less(all(0), rate), spin_after * (all(0) - share));
@@ -157,9 +157,9 @@ inline Response respond(const Encounter& c, Memory& memory, const LawTables& law
   const Vec velocity = kEffects.spin ? c.velocity + cross(c.normal, c.surface) : c.velocity;
   const Lanes vn = dot(c.velocity, c.normal);
   const Vec sliding = velocity - c.normal * vn;
-  const Lanes normal_force =
+  const Lanes pressing =
       lookup(laws.normal_stiffness, kinds) * c.overlap - lookup(laws.normal_damping, kinds) * vn;
-  const Lanes size = larger(normal_force, all(0) - normal_force);
+  const Lanes size = larger(pressing, all(0) - pressing);
   const Lanes limit = lookup(laws.friction, kinds) * size;
   const Tangential tangential = slide<kEffects>(c, sliding, memory.spring, limit, laws, kinds, dt);
   book<kEffects>(c, velocity, vn, sliding, memory, tangential, laws, kinds, dt, sums);
@@ -171,6 +171,8 @@ inline Response respond(const Encounter& c, Memory& memory, const LawTables& law
       larger(sums.overlap_ratio, only(c.touching, c.overlap * lookup(laws.inverse_radius, kinds)));
   sums.contacts += static_cast<std::uint64_t>(__builtin_popcount(bits(c.touching)));
 
+  Lanes normal_force = pressing;
+  if constexpr (kEffects.cohesion) normal_force = pressing - lookup(laws.cohesion, kinds);
   Response response;
   response.force = only(c.touching, c.normal * normal_force + tangential.force);
   if constexpr (kEffects.spin) {

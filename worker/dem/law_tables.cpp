@@ -33,6 +33,7 @@ void fill(LawTables& table, std::size_t kind, const ContactCoefficients& law, co
   set(table.tangential_damping, law.tangential_damping);
   set(table.friction, law.friction);
   set(table.inverse_tangential_stiffness, 1 / law.tangential_stiffness);
+  set(table.cohesion, law.cohesion);
   set(table.rolling_arm, law.rolling_arm);
   set(table.stopping, law.reduced_inertia / time_step);
   set(table.inverse_radius_a, 1 / a.radius);
@@ -75,8 +76,6 @@ Laws law_tables(const EngineSetup& setup) {
     }
     fill(laws.walls, a, coefficients.grain_wall[a], setup.classes[a], nullptr, setup.time_step);
   }
-  laws.has_rolling_arm =
-      setup.grain_grain.rolling_friction > 0 || setup.grain_wall.rolling_friction > 0;
   return laws;
 }
 

@@ -9,7 +9,6 @@ namespace granary::dem {
 struct Laws {
   LawTables pairs;  // kind = class_a * classes + class_b
   LawTables walls;  // kind = class_a
-  bool has_rolling_arm = false;
 };
 
 // Throws std::invalid_argument when there are more classes or walls than the tables hold.

@@ -1,5 +1,7 @@
 #include "worker/dem/pair_coefficients.h"
 
+#include <algorithm>
+
 namespace granary::dem {
 namespace {
 
@@ -10,6 +12,8 @@ ContactCoefficients between(const EngineSetup& setup, const GrainClass& a, const
   law.rolling_arm =
       setup.grain_grain.rolling_friction * a.radius * b.radius / (a.radius + b.radius);
   law.reduced_inertia = a.inertia() * b.inertia() / (a.inertia() + b.inertia());
+  law.cohesion =
+      setup.grain_grain.cohesion_bond * std::min(a.mass(), b.mass()) * norm(setup.motion.gravity);
   return law;
 }
 
@@ -17,6 +21,7 @@ ContactCoefficients with_wall(const EngineSetup& setup, const GrainClass& a) {
   ContactCoefficients law = contact_coefficients(setup.grain_wall, a.mass(), setup.effects.spin);
   law.rolling_arm = setup.grain_wall.rolling_friction * a.radius;
   law.reduced_inertia = a.inertia();
+  law.cohesion = setup.grain_wall.cohesion_bond * a.mass() * norm(setup.motion.gravity);
   return law;
 }
 

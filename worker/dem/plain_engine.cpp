@@ -139,6 +139,7 @@ EffectCounts PlainEngine::effect_counts() const {
   return {.tangential_history = setup_.effects.tangential_history ? contact_evaluations_ : 0,
           .rolling_friction = rolls ? contact_evaluations_ : 0,
           .spin = setup_.effects.spin ? particle_steps_ : 0,
+          .cohesion = setup_.effects.cohesion ? contact_evaluations_ : 0,
           .rotating_frame = setup_.motion.rotates() ? particle_steps_ : 0};
 }
 
@@ -198,11 +199,13 @@ void PlainEngine::meet(std::size_t candidate_index) {
   Contact contact;
   contact.candidate = candidate_index;
   if (!find_contact(candidate, contact.geometry)) return part(candidate, contact.geometry);
+  predict(candidate, contact.geometry);
   contact.force = evaluate_contact(contact.geometry, law_of(candidate), setup_.effects,
                                    spring_turn_ * candidate.spring, spin_response_of(candidate),
                                    setup_.time_step);
   if (!candidate.touching) book_first_overlap(contact);
   candidate.spring = contact.force.spring;
+  candidate.velocity = contact.geometry.relative_velocity;
   candidate.touching = true;
 
   const Vec3& n = contact.geometry.normal;
@@ -372,6 +375,21 @@ bool PlainEngine::find_contact(const Candidate& candidate, ContactGeometry& geom
   return geometry.overlap > 0;
 }
 
+// Dashpots see the velocity of the half step before; or, predicted, that velocity carried on to the
+// full step by what it changed by since the last one. Grains that touch for the first time came on
+// unforced, and slide on each other only since they touch.
+void PlainEngine::predict(const Candidate& candidate, ContactGeometry& geometry) const {
+  const Vec3& now = geometry.relative_velocity;
+  geometry.damped_velocity = now;
+  if (setup_.damping == Damping::semi_implicit) return;
+  if (candidate.touching) {
+    geometry.damped_velocity = now + (now - spring_turn_ * candidate.velocity) * 0.5;
+  } else {
+    const double path = dot(now, geometry.normal) * setup_.time_step;
+    if (path > geometry.overlap) geometry.touched_share = geometry.overlap / path;
+  }
+}
+
 bool PlainEngine::candidates_are_stale() const {
   if (list_is_void_) return true;
   const double allowed = 0.25 * skin_ * skin_;
@@ -393,6 +411,7 @@ void PlainEngine::refresh_candidates() {
     const auto old = touching.find({candidate.first_id, candidate.second_id});
     if (old == touching.end()) continue;
     candidate.spring = old->second->spring;
+    candidate.velocity = old->second->velocity;
     candidate.touching = true;
   }
   candidates_ = std::move(fresh);

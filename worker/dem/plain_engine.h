@@ -68,6 +68,7 @@ class PlainEngine final : public Engine {
     std::int64_t first_id = 0;
     std::int64_t second_id = 0;  // of a wall: same as `second`
     core::Vec3 spring = {};
+    core::Vec3 velocity = {};  // relative, of the last step; while touching
     bool touching = false;
     bool is_wall() const { return second < 0; }
     std::size_t wall() const { return static_cast<std::size_t>(-1 - second); }
@@ -88,6 +89,7 @@ class PlainEngine final : public Engine {
   void add_walls_of(std::size_t a, const core::Vec3& point, std::vector<Candidate>& list) const;
   void place_walls();
   bool find_contact(const Candidate& candidate, ContactGeometry& geometry) const;
+  void predict(const Candidate& candidate, ContactGeometry& geometry) const;
   void sum_forces();
   void meet(std::size_t candidate_index);
   bool is_prescribed(const Candidate& candidate) const;
@@ -118,6 +120,7 @@ class PlainEngine final : public Engine {
   double kinetic_energy(const Body& body) const;
   double potential_energy(const Body& body) const;
   void book_transfer(core::EnergyChannel channel, const Body& body, double sign);
+  double normal_energy(const ContactCoefficients& law, double overlap) const;
   double elastic_energy(const Contact& contact) const;
 
   EngineSetup setup_;

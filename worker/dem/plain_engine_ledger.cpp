@@ -64,6 +64,13 @@ PlainEngine::Relative PlainEngine::relative(const Contact& contact, Moment momen
   return relative;
 }
 
+// Spring and attraction, which both have a potential [J].
+double PlainEngine::normal_energy(const ContactCoefficients& law, double overlap) const {
+  if (overlap <= 0) return 0;
+  const double attraction = setup_.effects.cohesion ? law.cohesion * overlap : 0;
+  return 0.5 * law.normal_stiffness * overlap * overlap - attraction;
+}
+
 // Half a step after the force evaluation: overlap and spring are carried on by half a step.
 double PlainEngine::elastic_energy(const Contact& contact) const {
   const ContactCoefficients& law = law_of(candidates_[contact.candidate]);
@@ -74,8 +81,7 @@ double PlainEngine::elastic_energy(const Contact& contact) const {
   const double overlap = contact.geometry.overlap + half_step * approach;
   Vec3 spring = contact.force.spring;
   if (setup_.effects.tangential_history) spring += (velocity - n * approach) * half_step;
-  return (overlap > 0 ? 0.5 * law.normal_stiffness * overlap * overlap : 0) +
-         0.5 * law.tangential_stiffness * dot(spring, spring);
+  return normal_energy(law, overlap) + 0.5 * law.tangential_stiffness * dot(spring, spring);
 }
 
 // A grain that is put in with an overlap brings its elastic energy along.
@@ -88,7 +94,7 @@ void PlainEngine::book_first_overlap(const Contact& contact) {
   const double overlap =
       geometry.overlap - 0.5 * setup_.time_step * dot(geometry.relative_velocity, geometry.normal);
   if (overlap <= 0) return;
-  book(EnergyChannel::inlet, -0.5 * law_of(candidate).normal_stiffness * overlap * overlap);
+  book(EnergyChannel::inlet, -normal_energy(law_of(candidate), overlap));
 }
 
 void PlainEngine::book_step() {
@@ -118,7 +124,6 @@ void PlainEngine::book_contact(const Contact& contact, double span) {
   const auto [velocity, spin] = relative(contact, Moment::mean_of_kick);
   const Vec3& slip = contact.force.slip;
   const Vec3 dashpot = contact.force.tangential + contact.force.spring * law.tangential_stiffness;
-  const double damping = contact.force.normal - contact.force.elastic_normal;
   // The spring loses what lies between its energy before and after it was shortened; the step that
   // shortened it moved by `sliding`, half of which was still booked against the long spring.
   const Vec3 n = geometry.normal;
@@ -127,7 +132,7 @@ void PlainEngine::book_contact(const Contact& contact, double span) {
   const double spring_loss = law.tangential_stiffness *
                              dot(slip, contact.force.spring + (slip - sliding) * 0.5) /
                              setup_.time_step;
-  book(EnergyChannel::normal_damping, damping * dot(n, velocity) * span);
+  book(EnergyChannel::normal_damping, contact.force.damping_normal * dot(n, velocity) * span);
   book(EnergyChannel::friction, (spring_loss - dot(dashpot, velocity)) * span);
   book(EnergyChannel::rolling, -dot(contact.force.rolling_torque, spin) * span);
 }

@@ -23,7 +23,7 @@ constexpr std::size_t kLeaverWidth = 9;  // time, position, velocity, diameter, 
 }  // namespace
 
 core::State PlainEngine::snapshot() const {
-  std::vector<double> position, velocity, spin, carried_velocity, spring;
+  std::vector<double> position, velocity, spin, carried_velocity, spring, contact_velocity;
   std::vector<std::int64_t> id, pair;
   std::vector<std::uint8_t> grain_class, carried, fresh;
   for (const Body& body : bodies_) {
@@ -40,6 +40,7 @@ core::State PlainEngine::snapshot() const {
     if (!candidate.touching) continue;
     pair.insert(pair.end(), {candidate.first_id, candidate.second_id});
     push(spring, candidate.spring);
+    push(contact_velocity, candidate.velocity);
   }
   std::vector<double> leavers;
   std::vector<std::int64_t> leaver_id;
@@ -63,6 +64,7 @@ core::State PlainEngine::snapshot() const {
   state.put("dem.fresh", "1", fresh);
   state.put("dem.touching_ids", "1", pair, 2);
   state.put("dem.spring_m", "m", spring, 3);
+  state.put("dem.contact_velocity_m_per_s", "m/s", contact_velocity, 3);
   state.put_scalar("dem.step", "1", step_);
   state.put_scalar("dem.next_id", "1", next_id_);
   state.put_scalar("dem.particle_steps", "1", particle_steps_);
@@ -110,11 +112,13 @@ void PlainEngine::restore(const core::State& state) {
   }
   const auto pair = state.get<std::int64_t>("dem.touching_ids");
   const auto spring = state.get<double>("dem.spring_m");
+  const auto contact_velocity = state.get<double>("dem.contact_velocity_m_per_s");
   candidates_.clear();
   for (std::size_t k = 0; 2 * k < pair.size(); ++k) {
     candidates_.push_back({.first_id = pair[2 * k],
                            .second_id = pair[2 * k + 1],
                            .spring = vector_at(spring, k),
+                           .velocity = vector_at(contact_velocity, k),
                            .touching = true});
   }
   contacts_.clear();

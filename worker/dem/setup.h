@@ -39,7 +39,7 @@ struct Motion {
 
 enum class Damping {
   semi_implicit,      // velocity of the last half step in the dashpots
-  predicted_velocity  // normal velocity predicted to the full step
+  predicted_velocity  // velocity predicted to the full step
 };
 
 enum class Precision {

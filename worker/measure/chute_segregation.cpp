@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "worker/core/blocking.h"
+#include "worker/core/student_t.h"
 
 namespace granary::measure {
 namespace {
@@ -78,7 +78,7 @@ core::ObservedValue ChuteSegregation::value(const char* name, std::size_t first_
   }
   const double blocks = kJackknifeBlocks;
   const double variance = (blocks - 1) / blocks * (squares - sum * sum / blocks);
-  value.error = core::student_t_975(kJackknifeBlocks - 1) * std::sqrt(std::max(0.0, variance));
+  value.error = core::student_t_quantile(0.95, kJackknifeBlocks - 1) * std::sqrt(std::max(0.0, variance));
   value.error_basis = "jackknife over ten blocks of frames";
   return value;
 }

@@ -4,7 +4,7 @@
 
 #include "worker/core/column.h"
 #include "worker/core/random.h"
-#include "worker/run/student_t.h"
+#include "worker/core/student_t.h"
 
 namespace granary::run {
 namespace {
@@ -29,7 +29,7 @@ core::ObservedValue combine_value(const core::ObservedValue& first,
         "known in " + std::to_string(samples.size()) + " of " + count + " replicates";
     return combined;
   }
-  const auto interval = mean_with_interval(samples);
+  const auto interval = core::mean_with_interval(samples);
   combined.value = interval->mean;
   combined.error = interval->half_width;
   combined.error_basis = "95 % t-interval of " + count + " replicates";

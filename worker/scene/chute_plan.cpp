@@ -123,8 +123,6 @@ std::optional<Error> check_built(const v1::Scene& scene) {
   if (scene.effects().gas() == v1::Effects::ON) return not_built("effects.gas");
   if (chute.inlet().feed() == v1::Inlet::HOPPER) return not_built("chute.inlet.feed");
   if (chute.triangles_size() > 0) return not_built("chute.triangles");
-  if (chute.damping() == v1::Chute::PREDICTED_VELOCITY) return not_built("chute.damping");
-  if (chute.cohesion_bond() > 0) return not_built("chute.cohesion_bond");
   return {};
 }
 
@@ -215,7 +213,13 @@ Result<ChutePlan> plan_chute(const v1::Scene& scene) {
   plan.engine.grain_wall = contact(chute.contact_pw());
   plan.engine.effects = {.tangential_history = is_on(scene.effects().tangential_history()),
                          .rolling_friction = is_on(scene.effects().rolling_friction()),
-                         .spin = is_on(scene.effects().particle_rotation())};
+                         .spin = is_on(scene.effects().particle_rotation()),
+                         .cohesion = is_on(scene.effects().cohesion()) && chute.cohesion_bond() > 0};
+  plan.engine.grain_grain.cohesion_bond = chute.cohesion_bond();
+  plan.engine.grain_wall.cohesion_bond = chute.cohesion_bond();
+  plan.engine.damping = chute.damping() == v1::Chute::PREDICTED_VELOCITY
+                            ? dem::Damping::predicted_velocity
+                            : dem::Damping::semi_implicit;
   plan.engine.walls = walls_of(chute);
   plan.engine.motion = motion_of(scene);
   plan.engine.time_step = chute.time_step_s();

@@ -161,7 +161,7 @@ core::Observation ChuteSimulation::observe() const {
                                     {"rolling_friction", counts.rolling_friction},
                                     {"particle_rotation", counts.spin},
                                     {"tangential_history", counts.tangential_history},
-                                    {"cohesion", 0}};
+                                    {"cohesion", counts.cohesion}};
   return observation;
 }
 

@@ -75,11 +75,5 @@ TEST(Blocking, a_trend_has_no_steady_part) {
   EXPECT_FALSE(steady_from(record).has_value());
 }
 
-TEST(Blocking, student_quantiles_match_the_tables) {
-  EXPECT_NEAR(student_t_975(4), 2.776, 1e-3);
-  EXPECT_NEAR(student_t_975(20), 2.086, 2e-3);
-  EXPECT_NEAR(student_t_975(100), 1.984, 1e-3);
-}
-
 }  // namespace
 }  // namespace granary::core

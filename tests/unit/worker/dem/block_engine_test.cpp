@@ -30,6 +30,7 @@ EngineSetup flow_setup(const Flow& flow) {
   if (flow.is_mixture) setup.classes.push_back({0.001, 1500});
   setup.grain_grain.rolling_friction = 0.02;
   setup.grain_wall.rolling_friction = 0.01;
+  setup.grain_grain.cohesion_bond = setup.grain_wall.cohesion_bond = 2;  // where the effect is on
   setup.effects = flow.effects;
   setup.walls = {tests::floor_plane(), {{0, 0, 0}, {0, 1, 0}}, {{0, 0.03, 0}, {0, -1, 0}}};
   setup.motion.gravity = tests::gravity_on_slope(30);

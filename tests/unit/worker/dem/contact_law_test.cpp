@@ -43,7 +43,7 @@ ContactGeometry sliding_contact() {
   ContactGeometry contact;
   contact.normal = {0, 0, -1};
   contact.overlap = 1e-5;
-  contact.relative_velocity = {0.3, 0.1, 0};
+  contact.relative_velocity = contact.damped_velocity = {0.3, 0.1, 0};
   contact.radius_a = 0.0015;
   return contact;
 }
@@ -71,7 +71,7 @@ TEST(ContactLaw, rolling_torque_opposes_the_spin_and_never_reverses_it) {
   law.rolling_arm = 0.1 * 0.0015;
   law.reduced_inertia = 3.24448e-11;
   ContactGeometry contact = sliding_contact();
-  contact.relative_velocity = {};
+  contact.relative_velocity = contact.damped_velocity = {};
   contact.relative_spin = {0, 1e-3, 0};
   const double time_step = 1e-5;
   const auto slow = evaluate_contact(contact, law, ContactEffects{}, {}, 0, time_step);

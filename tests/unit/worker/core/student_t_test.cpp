@@ -1,4 +1,4 @@
-#include "worker/run/student_t.h"
+#include "worker/core/student_t.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "worker/core/random.h"
 
-namespace granary::run {
+namespace granary::core {
 namespace {
 
 // Abramowitz & Stegun, table 26.10 (two-sided 95 % and 99 %): printed to three decimals.
@@ -40,8 +40,8 @@ TEST(StudentT, approaches_the_normal_distribution) {
 // binomial standard deviation of 0.345 %; the bounds are three of them.
 TEST(MeanInterval, covers_the_true_mean_as_often_as_it_says) {
   const auto normal = [](std::uint64_t draw, std::uint64_t i) {  // Box and Muller
-    return std::sqrt(-2 * std::log(1 - core::random_uniform(1, draw, 2 * i))) *
-           std::cos(2 * M_PI * core::random_uniform(1, draw, 2 * i + 1));
+    return std::sqrt(-2 * std::log(1 - random_uniform(1, draw, 2 * i))) *
+           std::cos(2 * M_PI * random_uniform(1, draw, 2 * i + 1));
   };
   int covered = 0;
   constexpr int kDraws = 4000;
@@ -63,4 +63,4 @@ TEST(MeanInterval, of_two_samples_is_known_by_hand) {
 }
 
 }  // namespace
-}  // namespace granary::run
+}  // namespace granary::core

@@ -1,9 +1,9 @@
-#include "worker/run/student_t.h"
+#include "worker/core/student_t.h"
 
 #include <cmath>
 #include <numbers>
 
-namespace granary::run {
+namespace granary::core {
 
 double student_t_two_sided(double t, unsigned degrees) {
   const double theta = std::atan(t / std::sqrt(static_cast<double>(degrees)));
@@ -43,4 +43,4 @@ std::optional<MeanInterval> mean_with_interval(std::span<const double> samples) 
       mean, student_t_quantile(0.95, static_cast<unsigned>(samples.size() - 1)) * standard_error};
 }
 
-}  // namespace granary::run
+}  // namespace granary::core

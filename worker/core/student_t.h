@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-namespace granary::run {
+namespace granary::core {
 
 // P(|T| <= t) for `degrees` >= 1. Finite series, Abramowitz & Stegun 26.7.3 and 26.7.4: exact up to
 // rounding.
@@ -21,4 +21,4 @@ struct MeanInterval {
 // Needs two samples or more.
 std::optional<MeanInterval> mean_with_interval(std::span<const double> samples);
 
-}  // namespace granary::run
+}  // namespace granary::core
