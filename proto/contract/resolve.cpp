@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "proto/contract/chute_rules.h"
 #include "proto/contract/contact_effects.h"
 #include "proto/contract/effects.h"
 #include "proto/contract/field_path.h"
@@ -30,7 +31,10 @@ class Resolver {
     });
     if (out_.scene.has_discharge()) choose_discharge(*out_.scene.mutable_discharge());
     fill_defaults(out_.scene, "");
-    if (out_.scene.has_chute()) choose_chute(*out_.scene.mutable_chute());
+    if (out_.scene.has_chute()) {
+      choose_chute(*out_.scene.mutable_chute());
+      if (auto error = check_resolved_chute(out_.scene.chute())) return *error;
+    }
     if (Status status = decide(); !status) return status.error();
     return std::move(out_);
   }

@@ -430,7 +430,6 @@ std::optional<Error> check_size_ratio(const v1::Chute& chute) {
 std::optional<Error> check_chute(const v1::Chute& chute) {
   if (chute.particles_size() == 0)
     return bad("chute.particles", "is empty, needs at least one size class");
-  if (chute.particles_size() > 16) return bad("chute.particles", "has more than 16 size classes");
   for (int i = 0; i < chute.beads_size(); ++i)
     if (static_cast<int>(chute.beads(i).particle_class()) >= chute.particles_size())
       return bad("chute.beads[" + std::to_string(i) + "].particle_class",

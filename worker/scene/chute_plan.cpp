@@ -6,6 +6,8 @@
 #include <numbers>
 #include <string>
 
+#include "proto/contract/chute_rules.h"
+
 namespace granary::scene {
 namespace {
 
@@ -15,8 +17,6 @@ constexpr double kDegree = std::numbers::pi / 180;
 // Replicates of one scene must not be the same run: entering grains spin a little at random, with
 // surface speeds of this share of the inlet speed.
 constexpr double kSpinNoise = 1e-3;
-// An inlet that rams grains into resting ones deeper than this share of a radius is no soft sphere.
-constexpr double kDeepestImpact = 0.5;
 
 Error refuse(const std::string& path, const std::string& what) {
   return {ErrorCode::invalid_argument, path + ": " + what, path};
@@ -109,22 +109,7 @@ dem::LatticeFeedSetup feed_of(const v1::Scene& scene, const ChutePlan& plan) {
   return feed;
 }
 
-double largest_diameter(const ChutePlan& plan) {
-  double largest = 0;
-  for (const dem::GrainClass& c : plan.engine.classes) largest = std::max(largest, 2 * c.radius);
-  return largest;
-}
-
-// ------------------------------------------------------------------------- what cannot run, and
-// why
-
-std::optional<Error> check_built(const v1::Scene& scene) {
-  const v1::Chute& chute = scene.chute();
-  if (scene.effects().gas() == v1::Effects::ON) return not_built("effects.gas");
-  if (chute.inlet().feed() == v1::Inlet::HOPPER) return not_built("chute.inlet.feed");
-  if (chute.triangles_size() > 0) return not_built("chute.triangles");
-  return {};
-}
+// ------------------------------------------------------------- what the contract cannot know
 
 std::optional<Error> check_step(const ChutePlan& plan) {
   const double limit = dem::stable_time_step(plan.engine);
@@ -146,61 +131,18 @@ std::optional<Error> check_contact(const dem::ContactParameters& c, const std::s
   return {};
 }
 
-// Two planes that face each other must leave room for the largest grain.
-std::optional<Error> check_walls(const ChutePlan& plan, const v1::Chute& chute) {
-  const auto& walls = plan.engine.walls;
-  const double diameter = largest_diameter(plan);
-  for (std::size_t a = 0; a < walls.size(); ++a) {
-    if (std::abs(norm(walls[a].normal) - 1) > 1e-9) {
-      return refuse("chute.planes", "normal must not be zero");
-    }
-    for (std::size_t b = a + 1; b < walls.size(); ++b) {
-      if (dot(walls[a].normal, walls[b].normal) > -1 + 1e-9) continue;
-      const double room = dot(walls[b].point - walls[a].point, walls[a].normal);
-      if (room >= diameter) continue;
-      return refuse(chute.planes_size() > 0 ? "chute.planes" : "chute.width_m",
-                    "walls overlap or stand " + number(room) +
-                        " m apart, must leave one grain diameter = " + number(diameter) + " m");
-    }
-  }
-  return {};
-}
-
-std::optional<Error> check_feed(const ChutePlan& plan) {
-  const dem::LatticeFeedSetup& setup = *plan.feed;
-  const double diameter = largest_diameter(plan);
-  if (setup.sluice_height < diameter || setup.width < diameter) {
-    return refuse("chute.inlet.sluice_height_m",
-                  "opening holds no grain, must be >= " + number(diameter) + " m = one diameter");
-  }
-  const dem::LatticeFeed feed(setup);
-  const dem::GrainClass& heaviest = *std::max_element(
-      setup.classes.begin(), setup.classes.end(),
-      [](const dem::GrainClass& l, const dem::GrainClass& r) { return l.mass() < r.mass(); });
-  const double fastest =
-      kDeepestImpact * heaviest.radius *
-      std::sqrt(plan.engine.grain_grain.normal_stiffness / (0.5 * heaviest.mass()));
-  if (feed.speed() <= fastest) return {};
-  return refuse("chute.inlet.mass_flow_kg_per_s",
-                "= " + number(setup.mass_flow) + " needs an inlet speed of " +
-                    number(feed.speed()) + " m/s, the lattice allows <= " + number(fastest) +
-                    " m/s (impacts of half a radius at this stiffness)");
-}
-
-std::optional<Error> check_plan(const ChutePlan& plan, const v1::Chute& chute) {
+std::optional<Error> check_plan(const ChutePlan& plan) {
   if (auto error = check_contact(plan.engine.grain_grain, "chute.contact_pp")) return error;
   if (auto error = check_contact(plan.engine.grain_wall, "chute.contact_pw")) return error;
-  if (auto error = check_step(plan)) return error;
-  if (auto error = check_walls(plan, chute)) return error;
-  if (plan.feed) return check_feed(plan);
-  return {};
+  return check_step(plan);
 }
 
 }  // namespace
 
 Result<ChutePlan> plan_chute(const v1::Scene& scene) {
   if (!scene.has_chute()) return refuse("chute", "is missing: the scene is no chute");
-  if (auto error = check_built(scene)) return *error;
+  if (scene.effects().gas() == v1::Effects::ON) return not_built("effects.gas");
+  if (auto error = check_resolved_chute(scene.chute())) return *error;
   const v1::Chute& chute = scene.chute();
   ChutePlan plan;
   plan.geometry = {chute.length_m(), chute.width_m()};
@@ -211,10 +153,11 @@ Result<ChutePlan> plan_chute(const v1::Scene& scene) {
   if (plan.engine.classes.empty()) return refuse("chute.particles", "needs at least one class");
   plan.engine.grain_grain = contact(chute.contact_pp());
   plan.engine.grain_wall = contact(chute.contact_pw());
-  plan.engine.effects = {.tangential_history = is_on(scene.effects().tangential_history()),
-                         .rolling_friction = is_on(scene.effects().rolling_friction()),
-                         .spin = is_on(scene.effects().particle_rotation()),
-                         .cohesion = is_on(scene.effects().cohesion()) && chute.cohesion_bond() > 0};
+  plan.engine.effects = {
+      .tangential_history = is_on(scene.effects().tangential_history()),
+      .rolling_friction = is_on(scene.effects().rolling_friction()),
+      .spin = is_on(scene.effects().particle_rotation()),
+      .cohesion = is_on(scene.effects().cohesion()) && chute.cohesion_bond() > 0};
   plan.engine.grain_grain.cohesion_bond = chute.cohesion_bond();
   plan.engine.grain_wall.cohesion_bond = chute.cohesion_bond();
   plan.engine.damping = chute.damping() == v1::Chute::PREDICTED_VELOCITY
@@ -236,7 +179,7 @@ Result<ChutePlan> plan_chute(const v1::Scene& scene) {
   if (chute.inlet().feed() == v1::Inlet::LATTICE && chute.inlet().mass_flow_kg_per_s() > 0) {
     plan.feed = feed_of(scene, plan);
   }
-  if (auto error = check_plan(plan, chute)) return *error;
+  if (auto error = check_plan(plan)) return *error;
   return plan;
 }
 

@@ -120,5 +120,41 @@ TEST(NearestName, gives_up_when_nothing_is_near) {
   EXPECT_EQ(nearest_name("zzzzzz", {"friction", "density"}), "");
 }
 
+// Chutes that cannot run are refused before anything is queued, with the field and the limit.
+TEST(Resolve, chutes_that_cannot_run_are_refused_with_the_limit) {
+  const struct {
+    const char* scene;
+    const char* field;
+    const char* limit;
+  } cases[] = {
+      {"time_step_s: 0.0002", "chute.time_step_s", "must be > 0 and <= 8.43"},
+      {"width_m: 0.002", "chute.width_m", "must be >= 0.003"},
+      {"planes { point_m: [0, 0, 0.002] normal: [0, 0, -1] }", "chute.planes",
+       "must leave one grain diameter = 0.003 m"},
+      {"planes { point_m: [0, 0, 0] normal: [0, 0, 0] }", "chute.planes[0].normal", "not be zero"},
+      {"inlet { mass_flow_kg_per_s: 60 }", "chute.inlet.mass_flow_kg_per_s",
+       "the lattice allows <= 5.586 m/s"},
+      {"inlet { sluice_height_m: 0.002 }", "chute.inlet.sluice_height_m", "must be >= 0.003"},
+      {"contact_pw { friction_coefficient: -0.1 }", "chute.contact_pw.friction_coefficient",
+       "must be >= 0"},
+      {"particles { diameter_m: 0.00005 density_kg_per_m3: 2550 mass_fraction: 0.5 }",
+       "chute.particles", "1:60, must be within 1:50"},
+      {"inlet { feed: HOPPER }", "chute.inlet.feed", "must be LATTICE or NONE"},
+      {"triangles { vertices_m: [0, 0, 0, 1, 0, 0, 0, 1, 0] }", "chute.triangles",
+       "use chute.planes"},
+  };
+  for (const auto& c : cases) {
+    const auto extra = parse_scene("chute { " + std::string(c.scene) + " }", "extra");
+    ASSERT_TRUE(extra.ok()) << extra.error().message;
+    v1::Scene scene = chute();
+    scene.MergeFrom(extra->scene);
+    const auto resolved = resolve(scene);
+    ASSERT_FALSE(resolved.ok()) << c.scene;
+    EXPECT_EQ(resolved.error().field_path, c.field) << c.scene;
+    EXPECT_THAT(resolved.error().message, ::testing::HasSubstr(c.limit));
+    EXPECT_EQ(resolved.error().message.find('\n'), std::string::npos);
+  }
+}
+
 }  // namespace
 }  // namespace granary

@@ -208,6 +208,34 @@ TEST(BlockEngine, effects_that_are_off_are_never_evaluated) {
   EXPECT_GT(on.effect_counts().rotating_frame, 0U);
 }
 
+// Fine grains around a coarse one, 1:50: cells are as large as the coarse one needs.
+TEST(BlockEngine, handles_a_size_ratio_of_fifty) {
+  EngineSetup setup = tests::base_setup(1);
+  setup.classes = {{0.0015, 2550}, {0.00003, 2550}};
+  setup.walls = {tests::floor_plane()};
+  setup.motion.gravity = {0, 0, -tests::kGravity};
+  setup.time_step = 0.3 * stable_time_step(setup);
+  std::vector<Grain> grains = {tests::grain_at({0, 0, 0.00151}, {0, 0, -0.05})};
+  for (int x = -9; x <= 9; ++x) {
+    for (int y = -9; y <= 9; ++y) {
+      Grain fine = tests::grain_at({6.5e-5 * x, 6.5e-5 * y + 1e-6 * (x % 3), 3.05e-5});
+      fine.grain_class = 1;
+      if (norm(fine.position - grains[0].position) > 0.00153) grains.push_back(fine);
+    }
+  }
+  ASSERT_GT(grains.size(), 200U);
+  BlockEngine block(setup);
+  PlainEngine plain(setup);
+  for (Engine* engine : {static_cast<Engine*>(&block), static_cast<Engine*>(&plain)}) {
+    engine->insert(grains);
+    engine->advance(400);
+    ASSERT_FALSE(engine->trouble().has_value());
+    EXPECT_LT(engine->ledger().remainder_ratio(), 1e-4);
+  }
+  EXPECT_EQ(block.contact_count(), plain.contact_count());
+  EXPECT_EQ(block.late_contacts(), 0U);
+}
+
 // A step far beyond what the contacts bear must end in words, never in numbers.
 TEST(BlockEngine, sentinel_stops_a_run_that_tears_itself_apart) {
   EngineSetup setup = flow_setup({});
