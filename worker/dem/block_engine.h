@@ -80,8 +80,9 @@ class BlockEngine final : public Engine {
     bool is_sound = true;  // no NaN
     bool has_carried = false;
     bool nears_outlet = false;
-    ContactSums sums;       // since the order was built
-    double inlet_work = 0;  // put in by carried grains, same span [J]
+    ContactSums sums;        // since the order was built
+    double inlet_work = 0;   // put in by carried grains, same span [J]
+    double outlet_work = 0;  // stored in contacts that ended at the outlet, same span [J]
     std::uint64_t late = 0;
     std::vector<Leaver> leavers;
   };
@@ -113,6 +114,7 @@ class BlockEngine final : public Engine {
   bool order_is_valid();
   void measure_stray(Block& block) const;
   void rebuild_order();
+  double largest_reach() const;
   void keep_slots(std::vector<KeptSlot>& pairs, std::vector<KeptSlot>& walls) const;
   void drop_leavers(std::vector<KeptSlot>& pairs, std::vector<KeptSlot>& walls);
   void sort_grains(std::vector<KeptSlot>& pairs, std::vector<KeptSlot>& walls);
@@ -122,6 +124,9 @@ class BlockEngine final : public Engine {
   void collect_walls(Block& block);
   void set_reference(Block& block);
   void prune_block(Block& block);
+  // Grains beyond the outlet touch nothing any more; books what their contact still held.
+  bool ends_at_outlet(Block& block, std::uint32_t first, std::uint32_t second, bool is_wall,
+                      const History* known) const;
   void prune_pairs(Block& block);
   void prune_walls(Block& block);
   void note_late_contacts();
@@ -156,8 +161,10 @@ class BlockEngine final : public Engine {
   Touch touch_of_wall(std::size_t a, std::size_t wall) const;
   double normal_energy(const Touch& touch, double overlap) const;
   double elastic_energy(const Touch& touch, const History& history) const;
-  void book_unfinished(const Touch& touch, const History& history,
-                       core::EnergyLedger& ledger) const;
+  struct Unfinished {
+    double damping = 0, friction = 0;  // J
+  };
+  Unfinished unfinished(const Touch& touch, const History& history) const;
   void show_contacts(core::EnergyLedger& ledger) const;
   // visit(list, slot, is_fresh, touch): every inner slot.
   template <typename Visit>

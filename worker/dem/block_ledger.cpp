@@ -123,8 +123,7 @@ void BlockEngine::visit_slots(Visit visit) const {
 
 // The kernels book half of a step's dissipation when they know where the step has led, one step
 // later (book() in kernels_body.h). This is the half of the last step that is still to come.
-void BlockEngine::book_unfinished(const Touch& touch, const History& history,
-                                  core::EnergyLedger& ledger) const {
+BlockEngine::Unfinished BlockEngine::unfinished(const Touch& touch, const History& history) const {
   const Vec3 previous{history.velocity[0], history.velocity[1], history.velocity[2]};
   const Vec3 velocity = touch.velocity + cross(touch.normal, touch.surface);
   const double normal = dot(touch.velocity, touch.normal) * dot(previous, touch.normal);
@@ -136,8 +135,7 @@ void BlockEngine::book_unfinished(const Touch& touch, const History& history,
                               ? half_step * touch.laws->tangential_damping[touch.kind] *
                                     (dot(velocity, previous) - normal)
                               : -half_step * dot(force, sliding);
-  ledger[EnergyChannel::normal_damping] += damping;
-  ledger[EnergyChannel::friction] += friction;
+  return {damping, friction};
 }
 
 // Of the moment: the deepest one so far may have parted since.
@@ -173,7 +171,9 @@ void BlockEngine::show_contacts(core::EnergyLedger& ledger) const {
     if (!list.touching(slot)) return;
     const Touch contact = touch();
     ledger.elastic_j += elastic_energy(contact, list.history(slot));
-    book_unfinished(contact, list.history(slot), ledger);
+    const Unfinished half = unfinished(contact, list.history(slot));
+    ledger[EnergyChannel::normal_damping] += half.damping;
+    ledger[EnergyChannel::friction] += half.friction;
   });
 }
 
@@ -200,7 +200,7 @@ void BlockEngine::flush_ledger() {
     book_block(block, ledger_);
     contact_evaluations_ += block.sums.contacts;
     block.sums = {};
-    block.inlet_work = 0;
+    block.inlet_work = block.outlet_work = 0;
   }
   book_fields(ledger_);
 }
@@ -214,6 +214,7 @@ void BlockEngine::book_block(const Block& block, core::EnergyLedger& ledger) {
   add(EnergyChannel::friction, block.sums.friction);
   add(EnergyChannel::rolling, block.sums.rolling);
   add(EnergyChannel::inlet, -block.inlet_work);
+  add(EnergyChannel::outlet, block.outlet_work);
 }
 
 // Work of gravity and of the centrifugal force since the order was built.

@@ -106,14 +106,19 @@ bool BlockEngine::order_is_valid() {
 
 // -------------------------------------------------------------------------------------- cell order
 
+// Centres of grains in the outer list are closer than this [m].
+double BlockEngine::largest_reach() const {
+  double largest_radius = 0;
+  for (const GrainClass& c : setup_.classes) largest_radius = std::max(largest_radius, c.radius);
+  return 2 * largest_radius + skin_;
+}
+
 void BlockEngine::rebuild_order() {
   flush_ledger();
   std::vector<KeptSlot> pairs, walls;
   keep_slots(pairs, walls);
   drop_leavers(pairs, walls);
-  double largest_radius = 0;
-  for (const GrainClass& c : setup_.classes) largest_radius = std::max(largest_radius, c.radius);
-  cells_.build(motion_, 2 * largest_radius + skin_);
+  cells_.build(motion_, largest_reach());
   sort_grains(pairs, walls);
   cut_blocks();
   cells_.load_coordinates(motion_, surface_);
@@ -143,7 +148,7 @@ void BlockEngine::keep_slots(std::vector<KeptSlot>& pairs, std::vector<KeptSlot>
   }
 }
 
-// Grains beyond the outlet go when the order is rebuilt; until then the floor carries them.
+// Grains beyond the outlet go when the order is rebuilt; until then they fly, touching nothing.
 void BlockEngine::drop_leavers(std::vector<KeptSlot>& pairs, std::vector<KeptSlot>& walls) {
   gather_leavers();
   constexpr std::uint32_t kGone = ~0U;
@@ -160,8 +165,10 @@ void BlockEngine::drop_leavers(std::vector<KeptSlot>& pairs, std::vector<KeptSlo
     if (goes && slot.history.touched != 0) {
       const Touch touch =
           is_wall ? touch_of_wall(slot.first, slot.second) : touch_of_pair(slot.first, slot.second);
+      const Unfinished half = unfinished(touch, slot.history);
       book(EnergyChannel::outlet, elastic_energy(touch, slot.history));
-      book_unfinished(touch, slot.history, ledger_);
+      book(EnergyChannel::normal_damping, half.damping);
+      book(EnergyChannel::friction, half.friction);
     }
     return goes;
   };
@@ -357,7 +364,8 @@ void BlockEngine::set_reference(Block& block) {
   block.mean_velocity = sum * (1.0 / block.range.count);
   const double longest = static_cast<double>(kLongestOrderInHorizons * horizon_) * setup_.time_step;
   block.nears_outlet =
-      farthest + skin_ + std::max(0.0, block.mean_velocity.x) * longest >= setup_.outlet_x;
+      farthest + largest_reach() + std::max(0.0, block.mean_velocity.x) * longest >=
+      setup_.outlet_x;
 }
 
 // ------------------------------------------------------------------------------------- inner lists
@@ -366,6 +374,22 @@ void BlockEngine::prune_block(Block& block) {
   block.late = 0;
   prune_pairs(block);
   prune_walls(block);
+}
+
+bool BlockEngine::ends_at_outlet(Block& block, std::uint32_t first, std::uint32_t second,
+                                 bool is_wall, const History* known) const {
+  const std::size_t a = block.range.first + first / sizeof(GrainSurface);
+  const std::size_t b = is_wall ? a : block.range.first + second / sizeof(GrainSurface);
+  if (motion_[a].position[0] <= setup_.outlet_x && motion_[b].position[0] <= setup_.outlet_x) {
+    return false;
+  }
+  if (known == nullptr || known->touched == 0) return true;
+  const Touch touch = is_wall ? touch_of_wall(a, second) : touch_of_pair(a, b);
+  const Unfinished half = unfinished(touch, *known);
+  block.outlet_work += elastic_energy(touch, *known);
+  block.sums.normal_damping += half.damping;
+  block.sums.friction += half.friction;
+  return true;
 }
 
 void BlockEngine::prune_pairs(Block& block) {
@@ -388,6 +412,10 @@ void BlockEngine::prune_pairs(Block& block) {
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint32_t origin = block.survivors[k] & ~kOverlaps;
     const History* known = cursor.seek(origin);
+    if (block.nears_outlet && ends_at_outlet(block, block.pairs.first[origin],
+                                             block.pairs.second[origin], false, known)) {
+      continue;
+    }
     if (known == nullptr && (block.survivors[k] & kOverlaps) != 0) ++block.late;
     block.pair_slots.push(block.pairs.first[origin], block.pairs.second[origin],
                           block.pairs.kind[origin], origin, known != nullptr ? *known : History{});
@@ -409,6 +437,10 @@ void BlockEngine::prune_walls(Block& block) {
     const double approach = std::min(0.0, dot(velocity_of(motion_[grain]), wall.normal));
     if (gap + approach * horizon >= margin_) continue;
     const History* known = cursor.seek(origin);
+    if (block.nears_outlet &&
+        ends_at_outlet(block, first, block.walls.second[origin], true, known)) {
+      continue;
+    }
     if (known == nullptr && gap < 0) ++block.late;
     block.wall_slots.push(first, block.walls.second[origin], block.walls.kind[origin], origin,
                           known != nullptr ? *known : History{});

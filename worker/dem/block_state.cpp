@@ -14,7 +14,7 @@ constexpr std::size_t kMotionWidth = 8, kSurfaceWidth = 4;
 constexpr std::size_t kLeaverWidth = 9;  // time, position, velocity, diameter, mass
 constexpr std::size_t kHistoryWidth = 7;
 constexpr std::size_t kBlockIntegers = 11;
-constexpr std::size_t kBlockNumbers = 8;
+constexpr std::size_t kBlockNumbers = 9;
 
 void put_leavers(core::State& state, std::span<const Leaver> leavers) {
   std::vector<double> rows;
@@ -189,9 +189,9 @@ void BlockEngine::save_lists(core::State& state) const {
          block.walls.count, block.pair_slots.size(), block.wall_slots.size(),
          (block.has_carried ? 1U : 0U) | (block.nears_outlet ? 2U : 0U), block.sums.contacts});
     const Vec3& v = block.mean_velocity;
-    numbers.insert(numbers.end(),
-                   {v.x, v.y, v.z, block.sums.normal_damping, block.sums.friction,
-                    block.sums.rolling, block.sums.largest_overlap_ratio, block.inlet_work});
+    numbers.insert(numbers.end(), {v.x, v.y, v.z, block.sums.normal_damping, block.sums.friction,
+                                   block.sums.rolling, block.sums.largest_overlap_ratio,
+                                   block.inlet_work, block.outlet_work});
     for (const WallRoom& room : block.rooms) rooms.insert(rooms.end(), {room.gap, room.approach});
     pairs.add(block.pairs, block.pair_slots, false);
     walls.add(block.walls, block.wall_slots, true);
@@ -233,6 +233,7 @@ void BlockEngine::load_lists(const core::State& state) {
     block.mean_velocity = {n[0], n[1], n[2]};
     block.sums = {n[3], n[4], n[5], static_cast<float>(n[6]), i[10]};
     block.inlet_work = n[7];
+    block.outlet_work = n[8];
     for (std::size_t w = 0; w < wall_count; ++w) {
       block.rooms.push_back({rooms[2 * (b * wall_count + w)], rooms[2 * (b * wall_count + w) + 1]});
     }
