@@ -7,7 +7,7 @@ packages=(
   cmake g++ ninja-build pkg-config git ca-certificates
   libgrpc++-dev protobuf-compiler-grpc libprotobuf-dev protobuf-compiler
   libeigen3-dev libsqlite3-dev libsqlitecpp-dev libhdf5-dev
-  libcli11-dev libspdlog-dev nlohmann-json3-dev libssl-dev libxxhash-dev
+  libcli11-dev libspdlog-dev nlohmann-json3-dev libssl-dev libxxhash-dev libpagmo-dev
   libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
   hdf5-tools python3
 )

@@ -16,6 +16,7 @@
 #include "worker/run/console.h"
 #include "worker/run/engine_process.h"
 #include "worker/run/export_console.h"
+#include "worker/run/history_console.h"
 #include "worker/scene/chute.h"
 #include "worker/scene/discharge.h"
 
@@ -48,6 +49,7 @@ struct Options {
   std::string export_file;
   std::string export_form = "csv";
   std::string salvage_directory;
+  std::string history_file;
   std::string engine_directory;
   int parent = 0;
   agent::AgentConfig agent;
@@ -85,6 +87,9 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--salvage", options.salvage_directory,
                  "make a result file (-o) of the frames in the .parts of an unfinished run")
       ->needs("--output");
+  app.add_option("--export-history", options.history_file,
+                 "write a study's history, as the client hands it over, to the HDF5 file -o")
+      ->needs("--output");
   app.add_option("--engine", options.engine_directory)->group("");
   app.add_option("--parent", options.parent)->group("");
   app.footer("Example: granary-worker --scene tests/scenes/discharge_small.txtpb --set seed=2 -o small.h5");
@@ -108,6 +113,8 @@ int run_program(Options& options) {
   if (!options.verify_file.empty()) return run::verify_console(options.verify_file);
   if (!options.export_file.empty())
     return run::export_console(options.export_file, options.export_form, options.console.output_file);
+  if (!options.history_file.empty())
+    return run::history_console(options.history_file, options.console.output_file);
   if (!options.salvage_directory.empty())
     return run::salvage_console(options.salvage_directory, options.console.output_file);
   if (!options.agent.server.empty()) return serve(options);

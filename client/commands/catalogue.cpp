@@ -23,6 +23,7 @@ void add_all_verbs(CommandLine& line) {
   add_verify(line);
   add_query(line);
   add_sweep(line);
+  add_optimize(line);
   add_study(line);
   add_health(line);
   add_config(line);

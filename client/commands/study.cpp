@@ -1,6 +1,13 @@
 // granary study: ls, history, pause, resume, extend, cancel.
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
 #include "client/commands/catalogue.h"
 #include "client/commands/studies.h"
+#include "client/session/child_process.h"
 
 namespace granary::commands {
 namespace {
@@ -28,13 +35,50 @@ Outcome list(Context& context, const std::string& kind, std::uint32_t limit) {
   return ExitCode::ok;
 }
 
-Outcome history(Context& context, const std::string& text) {
+// The layout of HDF5 files is the worker's business: the worker program beside this one writes it.
+Status write_hdf5(const v1::StudyHistory& history, const std::string& file) {
+  char folder[] = "/tmp/granary-history-XXXXXX";
+  if (mkdtemp(folder) == nullptr)
+    return Error{ErrorCode::failed_precondition, "no temporary directory can be made", ""};
+  const std::filesystem::path work(folder), input = work / "history.pb", log = work / "log";
+  std::ofstream out(input, std::ios::binary);
+  out << history.SerializeAsString();
+  out.close();
+  auto code = session::run_child({.command = {session::program_directory() / "granary-worker",
+                                              "--export-history", input, "-o", file},
+                                  .log_file = log});
+  std::ifstream in(log);
+  std::string why, line;
+  while (std::getline(in, line)) why = line;
+  std::error_code ignored;
+  std::filesystem::remove_all(work, ignored);
+  if (!code) return code.error();
+  if (*code == 0) return Done{};
+  return Error{ErrorCode::failed_precondition, why.empty() ? "the export failed" : why, ""};
+}
+
+Status export_history(session::Session& session, const std::string& name,
+                      std::vector<v1::Trial> trials, const std::string& file) {
+  auto study = session.get_study(name);
+  if (!study) return study.error();
+  v1::StudyHistory history;
+  *history.mutable_study() = std::move(*study);
+  for (v1::Trial& trial : trials) *history.add_trials() = std::move(trial);
+  return write_hdf5(history, file);
+}
+
+Outcome history(Context& context, const std::string& text, const std::string& hdf5_file) {
   auto name = study_name(text);
   if (!name) return name.error();
   auto session = context.session();
   if (!session) return session.error();
   auto trials = (*session)->trials(*name);
   if (!trials) return trials.error();
+  if (!hdf5_file.empty()) {
+    if (auto exported = export_history(**session, *name, std::move(*trials), hdf5_file); !exported)
+      return exported.error();
+    return ExitCode::ok;
+  }
   const auto table = trial_table(*trials, context.format());
   if (auto written = context.write_rows(table, render::JsonShape::array); !written)
     return written.error();
@@ -74,8 +118,10 @@ CLI::App& verb_on_study(CommandLine& line, CLI::App& group, const std::string& n
 
 void add_history(CommandLine& line, CLI::App& group) {
   auto study = std::make_shared<std::string>();
+  auto file = std::make_shared<std::string>();
   CLI::App& verb = verb_on_study(line, group, "history", "Every trial of a study", study);
-  line.on(verb, [study](Context& context) { return history(context, *study); });
+  verb.add_option("--hdf5", *file, "write everything to this HDF5 file instead")->type_name("FILE");
+  line.on(verb, [study, file](Context& context) { return history(context, *study, *file); });
 }
 
 void add_pause_and_resume(CommandLine& line, CLI::App& group) {

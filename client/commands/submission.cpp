@@ -103,6 +103,10 @@ Result<LoadedScene> load_one(const std::string& path, const std::vector<FieldSet
 
 }  // namespace
 
+Result<std::string> read_input(const std::string& path) {
+  return read_scene(path, path == "-" ? "<stdin>" : path);
+}
+
 void add_scene_options(CLI::App& verb, SubmissionOptions& options, bool many) {
   auto* scenes =
       verb.add_option("SCENE", options.scenes, "scene file, protobuf text or JSON; - reads stdin");

@@ -39,6 +39,9 @@ Result<std::vector<LoadedScene>> load_scenes(const SubmissionOptions& options);
 Result<v1::SubmitJobsRequest> make_request(const SubmissionOptions& options,
                                            std::uint32_t default_threads);
 
+// A whole small file, "-" = stdin. The error names it.
+Result<std::string> read_input(const std::string& path);
+
 // Loads, then submits in one batch.
 Result<std::vector<std::string>> submit_scenes(Context& context, const SubmissionOptions& options);
 

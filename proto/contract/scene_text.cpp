@@ -122,18 +122,19 @@ void collect_lines(const Message& message, const TextFormat::ParseInfoTree& tree
   }
 }
 
-Result<ParsedScene> parse_text(std::string_view text, std::string_view file) {
-  ParsedScene parsed;
+using Lines = std::map<std::string, int>;
+
+Result<Lines> parse_text(std::string_view text, std::string_view file, Message& message) {
+  Lines lines;
   FirstError first;
   TextFormat::ParseInfoTree tree;
   TextFormat::Parser parser;
   parser.RecordErrorsTo(&first);
   parser.WriteLocationsTo(&tree);
   parser.SetRecursionLimit(32);
-  if (!parser.ParseFromString(std::string(text), &parsed.scene))
-    return text_error(text, file, first);
-  collect_lines(parsed.scene, tree, "", &parsed.line_of);
-  return parsed;
+  if (!parser.ParseFromString(std::string(text), &message)) return text_error(text, file, first);
+  collect_lines(message, tree, "", &lines);
+  return lines;
 }
 
 // ------------------------------------------------------------------------------------------- JSON
@@ -212,28 +213,35 @@ class JsonReader {
   std::string_view file_;
 };
 
-Result<ParsedScene> parse_json(std::string_view text, std::string_view file) {
+Result<Lines> parse_json(std::string_view text, std::string_view file, Message& message) {
   Json json;
   try {
     json = Json::parse(text);
   } catch (const Json::parse_error& error) {
     return invalid(file, line_of_offset(text, error.byte), "", "not valid JSON here");
   }
-  ParsedScene parsed;
   JsonReader reader(text, file);
-  if (Status status = reader.read(json, parsed.scene, ""); !status) return status.error();
-  parsed.line_of = std::move(reader.lines);
-  return parsed;
+  if (Status status = reader.read(json, message, ""); !status) return status.error();
+  return std::move(reader.lines);
 }
 
 }  // namespace
 
 Result<ParsedScene> parse_scene(std::string_view text, std::string_view file_name) {
+  ParsedScene parsed;
+  auto lines = parse_message(text, file_name, parsed.scene);
+  if (!lines) return lines.error();
+  parsed.line_of = std::move(*lines);
+  return parsed;
+}
+
+Result<Lines> parse_message(std::string_view text, std::string_view file_name, Message& message) {
   if (text.size() > kMaxSceneBytes)
     return invalid(file_name, 0, "", "is larger than the 16 MiB a scene may have");
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos) return invalid(file_name, 0, "", "is empty: no scene in it");
-  return text[first] == '{' ? parse_json(text, file_name) : parse_text(text, file_name);
+  return text[first] == '{' ? parse_json(text, file_name, message)
+                            : parse_text(text, file_name, message);
 }
 
 Result<v1::Scene> load_scene(std::string_view text, std::string_view file_name,

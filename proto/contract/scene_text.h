@@ -3,6 +3,8 @@
 // the nearest known name.
 #pragma once
 
+#include <google/protobuf/message.h>
+
 #include <map>
 #include <span>
 #include <string>
@@ -22,6 +24,10 @@ struct ParsedScene {
 };
 
 Result<ParsedScene> parse_scene(std::string_view text, std::string_view file_name);
+
+// The same for any message of ours: fills `message`, returns the lines of its fields.
+Result<std::map<std::string, int>> parse_message(std::string_view text, std::string_view file_name,
+                                                 google::protobuf::Message& message);
 
 using FieldSetting = std::pair<std::string, std::string>;  // path, value of --set
 

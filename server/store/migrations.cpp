@@ -218,7 +218,12 @@ CREATE TABLE worker (
 ) WITHOUT ROWID;
 )sql";
 
-constexpr std::array<const char*, 3> kMigrations = {kFirst, kResume, kStudies};
+// One value over all jobs without reading their units and reasons.
+constexpr const char* kValueIndex = R"sql(
+CREATE INDEX job_value_by_name ON job_value(name, job, value, error);
+)sql";
+
+constexpr std::array<const char*, 4> kMigrations = {kFirst, kResume, kStudies, kValueIndex};
 
 int schema_of(SQLite::Database& connection) {
   return connection.execAndGet("PRAGMA user_version").getInt();

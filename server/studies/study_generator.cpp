@@ -2,6 +2,7 @@
 
 #include "proto/contract/field_path.h"
 #include "proto/contract/scene_rules.h"
+#include "server/studies/optimize.h"
 #include "server/studies/sweep.h"
 
 namespace granary::server {
@@ -56,6 +57,7 @@ Result<std::unique_ptr<StudyGenerator>> make_generator(const v1::StudySpec& spec
     case v1::StudySpec::kSweep:
       return make_sweep(spec);
     case v1::StudySpec::kOptimize:
+      return make_optimize(spec);
     case v1::StudySpec::kPrice:
     case v1::StudySpec::kAblate:
       return Error{ErrorCode::unimplemented,

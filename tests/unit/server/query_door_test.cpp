@@ -79,7 +79,10 @@ class QueryDoor : public testing::Test {
     return std::get<std::int64_t>(rows.rows.at(row).at(column));
   }
 
-  std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "door.db";
+  // Of its own: ctest runs several tests at a time.
+  std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + ".db");
   std::optional<Database> database;
   std::optional<SqliteJobStore> store;
   std::optional<StudyTable> studies;
