@@ -65,11 +65,13 @@ def main():
         def with_server(workers, work):
             up = subprocess.Popen([options.bin / "granary", "up", "--workers", str(workers), "--listen", address],
                                   env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            while granary("health").returncode != 0:
-                pass
-            work(up)
-            up.terminate()
-            up.wait()
+            try:
+                while granary("health").returncode != 0:
+                    pass
+                work(up)
+            finally:
+                up.terminate()
+                up.wait()
 
         scene = ROOT / "tests/scenes/discharge_small.txtpb"
         with_server(1, lambda _: granary("submit", str(scene), "--set", "discharge.particles.count=40", "--wait"))
