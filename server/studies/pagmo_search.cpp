@@ -1,5 +1,6 @@
 #include "server/studies/pagmo_search.h"
 
+#include <algorithm>
 #include <map>
 #include <pagmo/algorithm.hpp>
 #include <pagmo/algorithms/cmaes.hpp>
@@ -14,8 +15,8 @@ namespace {
 
 using nlohmann::json;
 
-// A third of the box: the start is a guess, not a known neighbourhood.
-constexpr double kFirstStep = 0.3;
+// A fifth of the box: the start is a guess, not a known neighbourhood, but better than chance.
+constexpr double kFirstStep = 0.2;
 
 // What stands between pagmo's fitness calls and our batches.
 struct Ledger {
@@ -72,6 +73,12 @@ struct PagmoSearch::State {
         population(pagmo::problem(problem), 0u, static_cast<unsigned>(setup.seed)),
         start(setup.start) {}
 
+  // NSGA-II wants variety, CMA-ES a cloud of the size of its first step.
+  double first_coordinate(double start) {
+    if (method == v1::Optimize::NSGA_II) return random.uniform();
+    return std::clamp(start + kFirstStep * random.normal(), 0.0, 1.0);
+  }
+
   v1::Optimize::Method method;
   std::size_t terms;
   std::size_t size;
@@ -92,7 +99,7 @@ std::vector<Point> PagmoSearch::next_batch() {
   if (s.population.size() == 0) {
     s.asked.assign(s.size, s.start);
     for (std::size_t i = 1; i < s.size; ++i)
-      for (double& coordinate : s.asked[i]) coordinate = s.random.uniform();
+      for (double& coordinate : s.asked[i]) coordinate = s.first_coordinate(coordinate);
     return s.asked;
   }
   Ledger& ledger = *s.problem.ledger;
