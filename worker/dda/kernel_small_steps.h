@@ -303,7 +303,9 @@ void close_contacts(const ContactArrays& contact, std::size_t count, const Conta
     const Slide slide = slide_of<kWall, kEffects>(contact, g, nx, ny, small.elapsed, shift);
     const Lanes stick = book_small_step<kWall, kEffects>(contact, g, terms, slide, lanes);
     const Lanes overlap = larger(-slide.gap, Lanes{});
-    const Lanes overlap_start = larger(-load(contact.gap_start + g), Lanes{});
+    const Lanes side = load(contact.offset_t + g);
+    const Lanes gap_then = load(contact.gap_linear + g) + load(contact.curvature + g) * side * side;
+    const Lanes overlap_start = larger(-gap_then, Lanes{});
     overlap2 += overlap * overlap;
     overlap2_start += overlap_start * overlap_start;
     if constexpr (kEffects.history) {
@@ -312,7 +314,7 @@ void close_contacts(const ContactArrays& contact, std::size_t count, const Conta
       stored2 += stored * stored;
       stick2 += stick * stick;
     }
-    worst = larger(worst, overlap_start);
+    worst = larger(worst, -load(contact.gap_start + g));
   }
   lanes.add_to(*sums);
   for (std::size_t k = 0; k < kGroupSize; ++k) {

@@ -103,7 +103,7 @@ struct SmallStepSums {
 // Sums over the contacts of a step.
 struct ContactSums {
   double overlap2 = 0;  // m2, at the end
-  double overlap2_start = 0;
+  double overlap2_start = 0;  // of the gaps as the step sees them
   double stored2 = 0;        // N2, tangential forces at the start
   double stick2 = 0;         // N2 s2, of the tangential springs, last small step
   double worst_overlap = 0;  // m, at the start

@@ -53,16 +53,8 @@ struct SmallSteps {
 };
 
 // Springs at the start of a step, as the step sees them.
-double elastic_at_start(const ContactTerms& terms, const ActiveContacts& contacts,
-                        const ContactSums& sums) {
-  double overlap2 = 0;
-  for (std::size_t k = 0; k < contacts.size; ++k) {
-    const double side = contacts.offset_t[k];
-    const double overlap =
-        std::max(-(contacts.gap_linear[k] + contacts.curvature[k] * side * side), 0.0);
-    overlap2 += overlap * overlap;
-  }
-  return 0.5 * terms.stiffness * overlap2 + sums.stored2 / (2 * terms.stiffness);
+double elastic_at_start(const ContactTerms& terms, const ContactSums& contacts) {
+  return 0.5 * terms.stiffness * contacts.overlap2_start + contacts.stored2 / (2 * terms.stiffness);
 }
 
 // Channels of one list; returns the elastic energy at the end of the step.
@@ -137,9 +129,8 @@ void close_small_steps(System& system) {
   system.counters.effects.add(system.pair_sums.evaluated);
   system.counters.effects.add(system.wall_sums.evaluated);
   core::EnergyLedger& ledger = system.ledger;
-  book_relinearised(system,
-                    elastic_at_start(steps.of_pairs, system.pair_contacts, pairs) +
-                        elastic_at_start(steps.of_walls, system.wall_contacts, walls));
+  book_relinearised(
+      system, elastic_at_start(steps.of_pairs, pairs) + elastic_at_start(steps.of_walls, walls));
   ledger.elastic_j = book_list(steps.of_pairs, system.pair_sums, pairs, ledger) +
                      book_list(steps.of_walls, system.wall_sums, walls, ledger);
   ledger[EnergyChannel::integrator] += system.kinetic_dissipation;

@@ -18,13 +18,6 @@ constexpr std::uint64_t kStepsBetweenMarks = 512;  // a snapshot costs about as 
 constexpr double kPenaltyFactor = 10;
 constexpr double kToleranceFactor = 0.1;
 
-double smallest_radius(const dda::Disks& disks) {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < disks.count(); ++k)
-    smallest = std::min(smallest, disks.pose[k].radius);
-  return smallest;
-}
-
 struct DeepContact {
   double overlap_ratio = 0;  // overlap / radius of the smaller disk
   double path_ratio = 0;     // relative motion along the normal in a step / the same radius
@@ -78,11 +71,8 @@ std::string overlap_advice(const dda::System& system) {
 // Ids of disks that move further than `farthest` in a step, or not by a number at all. The energy
 // bounds every speed, so that disks are only looked at when something is wrong.
 std::vector<std::int64_t> runaways(const dda::System& system, double farthest) {
-  double lightest = 0;  // as inverse mass
-  for (const dda::DiskMotion& v : system.disks.motion)
-    lightest = std::max(lightest, v.inverse_mass);
   const double dt2 = system.time_step * system.time_step;
-  if (2 * system.report.kinetic_energy * lightest * dt2 < farthest * farthest) return {};
+  if (2 * system.report.kinetic_energy / system.lightest * dt2 < farthest * farthest) return {};
   std::vector<std::int64_t> ids;
   for (std::size_t k = 0; k < system.disks.count(); ++k) {
     const dda::DiskMotion& v = system.disks.motion[k];
@@ -96,7 +86,7 @@ std::vector<std::int64_t> runaways(const dda::System& system, double farthest) {
 }  // namespace
 
 std::optional<core::Rejection> DischargeSimulation::check_sentinels() const {
-  const double radius = smallest_radius(system_.disks);
+  const double radius = system_.smallest_radius;
   if (!std::isfinite(system_.report.kinetic_energy))
     return core::Rejection{shown_time(), "the velocities are no longer finite",
                            runaways(system_, radius), "a smaller discharge.time_step_s",

@@ -117,7 +117,7 @@ TEST(DischargeEffects, every_combination_is_run_or_refused_with_the_valid_ones_l
 }
 
 TEST(DischargeEffects, open_close_and_newmark_refuse_the_laws_they_do_not_know) {
-  for (const FieldSetting solver : {FieldSetting{"discharge.solver.method", "OPEN_CLOSE"},
+  for (const FieldSetting& solver : {FieldSetting{"discharge.solver.method", "OPEN_CLOSE"},
                                     FieldSetting{"discharge.solver.integrator", "NEWMARK_DDA"}}) {
     EXPECT_EQ(refusal({solver}), "");
     EXPECT_EQ(refusal({solver, {"effects.particle_rotation", "OFF"}}), "");
