@@ -24,6 +24,8 @@ void add_all_verbs(CommandLine& line) {
   add_query(line);
   add_sweep(line);
   add_optimize(line);
+  add_price(line);
+  add_ablate(line);
   add_study(line);
   add_health(line);
   add_config(line);

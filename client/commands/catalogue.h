@@ -26,6 +26,8 @@ void add_verify(CommandLine& line);
 void add_query(CommandLine& line);
 void add_sweep(CommandLine& line);
 void add_optimize(CommandLine& line);
+void add_price(CommandLine& line);
+void add_ablate(CommandLine& line);
 void add_study(CommandLine& line);
 void add_health(CommandLine& line);
 void add_config(CommandLine& line);

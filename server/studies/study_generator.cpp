@@ -3,6 +3,8 @@
 #include "proto/contract/field_path.h"
 #include "proto/contract/scene_rules.h"
 #include "server/studies/optimize.h"
+#include "server/studies/ablate.h"
+#include "server/studies/price.h"
 #include "server/studies/sweep.h"
 
 namespace granary::server {
@@ -59,9 +61,9 @@ Result<std::unique_ptr<StudyGenerator>> make_generator(const v1::StudySpec& spec
     case v1::StudySpec::kOptimize:
       return make_optimize(spec);
     case v1::StudySpec::kPrice:
+      return make_price(spec);
     case v1::StudySpec::kAblate:
-      return Error{ErrorCode::unimplemented,
-                   std::string(kind_of(spec)) + " is not available in this version", "kind"};
+      return make_ablate(spec);
     case v1::StudySpec::KIND_NOT_SET:
       break;
   }

@@ -136,11 +136,7 @@ void add_materials(std::vector<HardCase>& cases) {
   cases.push_back({"dem_restitution_1", bed({.restitution = 1}), {}});
   cases.push_back({"dem_friction_0", bed({.friction = 0}), {}});
   cases.push_back({"dem_friction_5", bed({.friction = 5}), {}});
-  cases.push_back({"dem_cohesion_100_times_weight",
-                   bed({}, "cohesion_bond: 100\n"),
-                   {},
-                   End::refused,
-                   "cohesion"});
+  cases.push_back({"dem_cohesion_100_times_weight", bed({}, "cohesion_bond: 100\n"), {}});
 }
 
 void add_scenes(std::vector<HardCase>& cases) {

@@ -11,6 +11,8 @@
 #include "proto/contract/job_state.h"
 #include "proto/contract/scene_text.h"
 #include "proto/contract/values_json.h"
+#include "worker/run/accuracy_run.h"
+#include "worker/run/calibrate.h"
 #include "worker/run/progress_line.h"
 #include "worker/run/run_task.h"
 #include "worker/run/stop_signals.h"
@@ -150,8 +152,9 @@ int run_console(const ConsoleOptions& options, const EngineBuild& build) {
   TaskCallbacks callbacks;
   callbacks.progress = [&](const v1::Progress& progress) { line.show(progress); };
   callbacks.log = [&](std::string_view text) { line.log(std::string(text)); };
-  const TaskOutcome outcome = run_task(*spec, build.factory, callbacks, stop_signal());
+  const TaskOutcome outcome = run_request(*spec, build.factory, callbacks, stop_signal());
   line.end();
+  note_speed(*spec, outcome);
   if (has_values(outcome)) discard_parts(*spec);
   print_outcome(options, outcome);
   return static_cast<int>(exit_code_of(outcome.outcome));

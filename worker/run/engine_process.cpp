@@ -10,6 +10,8 @@
 #include <iostream>
 
 #include "granary/v1/worker.pb.h"
+#include "worker/run/accuracy_run.h"
+#include "worker/run/calibrate.h"
 #include "worker/run/run_task.h"
 #include "worker/run/stop_signals.h"
 #include "worker/storage/checksum.h"
@@ -89,7 +91,9 @@ TaskOutcome execute(const v1::TaskAssignment& assignment, const storage::Path& d
     if (!pipe.send(progress)) stop_signal().store(StopRequest::release);
   };
   callbacks.log = [](std::string_view line) { std::cerr << line << '\n'; };
-  return run_task(*spec, build.factory, callbacks, stop_signal());
+  TaskOutcome outcome = run_request(*spec, build.factory, callbacks, stop_signal());
+  note_speed(*spec, outcome);
+  return outcome;
 }
 
 void write_finished(const storage::Path& directory, const TaskOutcome& outcome) {

@@ -11,7 +11,7 @@ namespace {
 storage::RunIdentity identity_of(const TaskSpec& spec) {
   v1::Scene output_only;
   *output_only.mutable_output() = spec.scene.output();
-  return {spec.scene_key + '\n' + scene_to_text(output_only), spec.engine_version,
+  return {spec.scene_key + '\n' + spec.variant + scene_to_text(output_only), spec.engine_version,
           spec.vector_path};
 }
 

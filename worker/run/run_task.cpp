@@ -62,8 +62,8 @@ class TaskRun {
     try {
       record_ = std::move(resumed.record);
       frames_.restore(record_.frames);
-      const auto filling = replicate() == 0 ? load_filling(files_, spec_, callbacks_.log)
-                                            : std::nullopt;
+      const auto filling =
+          replicate() == 0 ? load_filling(files_, spec_, callbacks_.log) : std::nullopt;
       auto simulation = make_simulation(filling ? &filling->state : nullptr);
       for (const core::Remedy remedy : active_remedies(record_.recoveries))
         simulation->apply(remedy);
@@ -285,6 +285,7 @@ class TaskRun {
   TaskOutcome complete() {
     RunReport report;
     report.values = combine_values(record_.finished);
+    add_error_parts(report.values, spec_.error_parts);
     report.state_hash = combine_state_hashes(record_.finished);
     report.ledger = worst_ledger(record_.finished);
     report.warnings = record_.first.warnings;
@@ -322,6 +323,8 @@ class TaskRun {
 
   TaskOutcome publish(const RunReport& report, v1::TaskFinished::Outcome how) {
     record_.costs = costs_so_far();
+    record_.costs.wall_s += spec_.earlier_wall_s;
+    record_.costs.cpu_s += spec_.earlier_cpu_s;
     TaskOutcome outcome;
     outcome.outcome = how;
     outcome.result = result_message(spec_, record_, report);

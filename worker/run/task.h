@@ -13,6 +13,7 @@
 #include "granary/v1/scene.pb.h"
 #include "granary/v1/worker.pb.h"
 #include "worker/core/simulation.h"
+#include "worker/run/error_parts.h"
 #include "worker/storage/file_system.h"
 
 namespace granary::run {
@@ -40,6 +41,12 @@ struct TaskSpec {
   storage::Path filling_output;  // written when the engine offers its filling
   std::string filling_key;       // empty: fillings are neither read nor written
 
+  // Of a main run after pilots (accuracy_run.h): what they found and cost.
+  std::string variant;  // of the scene: checkpoints of another one are not used
+  std::map<std::string, ErrorParts> error_parts;  // by value
+  double earlier_cpu_s = 0;
+  double earlier_wall_s = 0;
+
   double time_limit_s = 0;            // wall time over all attempts; 0 = none
   double checkpoint_interval_s = 20;  // wall time; stretched when checkpoints cost more than 2 %
 };
@@ -55,7 +62,7 @@ struct TaskOutcome {
   v1::TaskFinished::Outcome outcome = v1::TaskFinished::ERROR;
   std::string message;  // one line: why it did not complete
   v1::Result result;
-  v1::SeriesList series;  // thinned, for the database
+  v1::SeriesList series;   // thinned, for the database
   bool published = false;  // the file at result_path is there, whole and durable
   std::vector<core::PhaseSeconds> profile;
 };
