@@ -151,6 +151,7 @@ class AccuracyRun {
 
   unsigned affordable_replicates() const;
   TaskOutcome run_main();
+  ErrorParts parts_of(const PilotMeans& means, unsigned replicates) const;
   void note_choice(unsigned replicates, TaskSpec& spec) const;
   TaskOutcome unknown_observable() const {
     TaskOutcome outcome;
@@ -212,7 +213,7 @@ TaskOutcome AccuracyRun::run_main() {
   if (pilot != Pilot::base) spec.filling_key.clear();
   for (const auto& [name, means] : means_)
     if (means.contains(Pilot::base) && means.contains(Pilot::fine_step))
-      spec.error_parts[name] = error_parts(means, choice_.step, stiffness_ratio(spec_.scene));
+      spec.error_parts[name] = parts_of(means, affordable);
   spec.earlier_cpu_s = pilot_cpu_s_;
   spec.earlier_wall_s = timer_.wall_s();
   note_choice(affordable, spec);
@@ -223,6 +224,12 @@ TaskOutcome AccuracyRun::run_main() {
     callbacks_.progress(progress);
   };
   return run_task(spec, factory_, callbacks, stop_, files_);
+}
+
+ErrorParts AccuracyRun::parts_of(const PilotMeans& means, unsigned replicates) const {
+  ErrorParts parts = error_parts(means, choice_.step, stiffness_ratio(spec_.scene));
+  parts.sampling = spread_of(means).of_mean(replicates);
+  return parts;
 }
 
 void AccuracyRun::note_choice(unsigned replicates, TaskSpec& spec) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct ErrorParts {
   double discretisation = 0;  // time step
   double stiffness = 0;
   double solver = 0;
+  // From the spread of all pilots, which a handful of replicates cannot know; absent: their own.
+  std::optional<double> sampling;
 };
 
 double combined(const ErrorParts& parts, double sampling);

@@ -93,11 +93,15 @@ TEST(AccuracyPlan, leaves_alone_what_the_user_has_fixed) {
 TEST(ErrorParts, widen_the_error_and_are_named) {
   std::vector<core::ObservedValue> values = {{"f1_m", "m", 1.0, 0.03, "t-interval"},
                                              {"f2_m", "m", 1.0, 0.03, "t-interval"}};
-  add_error_parts(values, {{"f1_m", {0.04, 0, 0}}});
+  add_error_parts(values, {{"f1_m", {0.04, 0, 0, {}}}});
   EXPECT_NEAR(*values[0].error, 0.05, 1e-12);
   EXPECT_EQ(values[0].error_basis,
             "95 %: discretisation 0.04, stiffness 0, solver 0, sampling 0.03 (t-interval)");
   EXPECT_EQ(*values[1].error, 0.03);
+  // Two replicates know their spread badly; that of all pilots is known.
+  std::vector<core::ObservedValue> few = {{"f1_m", "m", 1.0, 0.4, "t-interval of 2"}};
+  add_error_parts(few, {{"f1_m", {0.04, 0, 0, 0.03}}});
+  EXPECT_NEAR(*few[0].error, 0.05, 1e-12);
 }
 
 }  // namespace
