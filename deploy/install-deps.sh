@@ -7,9 +7,9 @@ packages=(
   cmake g++ ninja-build pkg-config git ca-certificates
   libgrpc++-dev protobuf-compiler-grpc libprotobuf-dev protobuf-compiler
   libeigen3-dev libsqlite3-dev libsqlitecpp-dev libhdf5-dev
-  libcli11-dev libspdlog-dev nlohmann-json3-dev libssl-dev libxxhash-dev libpagmo-dev
+  libcli11-dev libspdlog-dev nlohmann-json3-dev libssl-dev libxxhash-dev libpagmo-dev prometheus-cpp-dev
   libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
-  hdf5-tools python3
+  hdf5-tools openssl python3
 )
 
 missing=()

@@ -71,6 +71,14 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--idle-exit", config.idle_exit_s,
                  "leave after this many seconds without use; 0 = stay");
+  app.add_option_function<std::uint64_t>(
+         "--keep-free-mb", [&config](std::uint64_t megabytes) { config.kept_free_bytes = megabytes << 20; },
+         "accept nothing new when less is free on the disk of --data")
+      ->default_str("200");
+  app.add_option("--metrics", config.metrics, "serve metrics (Prometheus text) on this loopback HOST:PORT; 0 = any port");
+  app.add_option("--max-jobs-per-s", config.max_jobs_per_s, "submissions one owner may send, ten seconds of it at once")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   app.add_option("--tls-cert", config.access.tls_certificate, "certificate chain (PEM, with subjectAltName)");
   app.add_option("--tls-key", config.access.tls_key, "its private key (PEM)");
   app.add_option("--tokens", config.access.tokens, "file of access tokens; made by `granaryd token`");
@@ -106,6 +114,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   std::printf("listening on %s\n", (*server)->address().c_str());
+  if (!(*server)->metrics_url().empty()) std::printf("metrics on %s\n", (*server)->metrics_url().c_str());
   std::fflush(stdout);
   spdlog::info("event=start address={} data={}", (*server)->address(), config.data.string());
   while (stop_signal == 0 && !(*server)->wants_to_exit())

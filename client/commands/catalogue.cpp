@@ -27,6 +27,7 @@ void add_all_verbs(CommandLine& line) {
   add_price(line);
   add_ablate(line);
   add_study(line);
+  add_backup(line);
   add_health(line);
   add_config(line);
   add_completion(line);

@@ -29,6 +29,7 @@ void add_optimize(CommandLine& line);
 void add_price(CommandLine& line);
 void add_ablate(CommandLine& line);
 void add_study(CommandLine& line);
+void add_backup(CommandLine& line);
 void add_health(CommandLine& line);
 void add_config(CommandLine& line);
 void add_completion(CommandLine& line);

@@ -1,12 +1,10 @@
 // granary fetch: the HDF5 result of a job.
 #include "client/session/fetch.h"
 
-#include <iostream>
-
 #include "client/commands/catalogue.h"
 #include "client/commands/jobs.h"
+#include "client/render/byte_progress.h"
 #include "client/render/progress_display.h"
-#include "client/render/progress_line.h"
 
 namespace granary::commands {
 namespace {
@@ -18,25 +16,6 @@ std::string default_file(const std::string& job) {
   return name + ".h5";
 }
 
-// One line redrawn in place; nothing when stderr is no terminal.
-class ByteProgress {
- public:
-  explicit ByteProgress(bool shown) : shown_(shown) {}
-  void show(std::uint64_t have_bytes, std::uint64_t size_bytes) {
-    const int percent = size_bytes == 0 ? 100 : static_cast<int>(100 * have_bytes / size_bytes);
-    if (!shown_ || percent == percent_) return;
-    percent_ = percent;
-    std::cerr << "\r[" << render::bar(percent / 100.0, 20) << "] " << percent << " %" << std::flush;
-  }
-  void close() const {
-    if (percent_ >= 0) std::cerr << "\n";
-  }
-
- private:
-  bool shown_;
-  int percent_ = -1;
-};
-
 Outcome fetch(Context& context, const std::string& text, bool force) {
   auto job = job_name(text);
   if (!job) return job.error();
@@ -44,7 +23,7 @@ Outcome fetch(Context& context, const std::string& text, bool force) {
   if (!session) return session.error();
   const std::string& wanted = context.options().output;
   const session::FetchRequest request{*job, wanted.empty() ? default_file(*job) : wanted, force};
-  ByteProgress bytes(!context.options().quiet && render::terminal_of_stderr().is_terminal);
+  render::ByteProgress bytes(!context.options().quiet && render::terminal_of_stderr().is_terminal);
   session::Interrupt interrupt;
   auto fetched = session::fetch_result(
       **session, request,

@@ -19,9 +19,10 @@ class Backoff {
   explicit Backoff(BackoffLimits limits) : limits_(limits), next_s_(limits.first_s) {}
 
   // The next delay; nothing when patience is used up. `jitter` in [0, 1) shortens it by up to half.
-  std::optional<double> next_delay_s(double jitter) {
+  // `asked_s`: what a refusing server wants to be left alone for; lengthened by up to half.
+  std::optional<double> next_delay_s(double jitter, std::optional<double> asked_s = {}) {
     if (spent_s_ >= limits_.patience_s) return std::nullopt;
-    const double delay_s = next_s_ * (1 - 0.5 * jitter);
+    const double delay_s = asked_s ? *asked_s * (1 + 0.5 * jitter) : next_s_ * (1 - 0.5 * jitter);
     spent_s_ += delay_s;
     next_s_ = std::min(next_s_ * 2, limits_.longest_s);
     return delay_s;

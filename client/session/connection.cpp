@@ -77,7 +77,8 @@ Connection::Connection(const Endpoint& endpoint, std::shared_ptr<grpc::Channel> 
       jobs_(v1::Jobs::NewStub(channel_)),
       workers_(v1::Workers::NewStub(channel_)),
       studies_(v1::Studies::NewStub(channel_)),
-      query_(v1::Query::NewStub(channel_)) {}
+      query_(v1::Query::NewStub(channel_)),
+      admin_(v1::Admin::NewStub(channel_)) {}
 
 Result<std::shared_ptr<Connection>> Connection::open(const Endpoint& endpoint,
                                                      std::chrono::milliseconds timeout) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "granary/v1/admin.grpc.pb.h"
 #include "granary/v1/job.grpc.pb.h"
 #include "granary/v1/query.grpc.pb.h"
 #include "granary/v1/study.grpc.pb.h"
@@ -41,6 +42,7 @@ class Connection {
   v1::Workers::Stub& workers() { return *workers_; }
   v1::Studies::Stub& studies() { return *studies_; }
   v1::Query::Stub& query() { return *query_; }
+  v1::Admin::Stub& admin() { return *admin_; }
   const std::string& address() const { return address_; }
 
  private:
@@ -53,6 +55,7 @@ class Connection {
   std::unique_ptr<v1::Workers::Stub> workers_;
   std::unique_ptr<v1::Studies::Stub> studies_;
   std::unique_ptr<v1::Query::Stub> query_;
+  std::unique_ptr<v1::Admin::Stub> admin_;
 };
 
 Error error_from(const grpc::Status& status);

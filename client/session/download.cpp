@@ -1,6 +1,22 @@
 #include "client/session/link.h"
 
 namespace granary::session {
+namespace {
+
+// Every chunk to `sink`, until it or the stream says no.
+Status pass_on(grpc::ClientContext& context, grpc::ClientReader<v1::DownloadChunk>& reader,
+               const ChunkSink& sink) {
+  Status taken = Done{};
+  v1::DownloadChunk chunk;
+  while (taken && reader.Read(&chunk)) taken = sink(chunk);
+  if (!taken) context.TryCancel();
+  const grpc::Status status = reader.Finish();
+  if (!taken) return taken;
+  if (!status.ok()) return error_from(status);
+  return Done{};
+}
+
+}  // namespace
 
 Status Session::download(const std::string& name, std::uint64_t offset_bytes,
                          const ChunkSink& sink) {
@@ -8,15 +24,12 @@ Status Session::download(const std::string& name, std::uint64_t offset_bytes,
   request.set_name(name);
   request.set_offset_bytes(offset_bytes);
   const auto context = link_->connection().stream_context();
-  const auto reader = link_->connection().jobs().Download(context.get(), request);
-  Status taken = Done{};
-  v1::DownloadChunk chunk;
-  while (taken && reader->Read(&chunk)) taken = sink(chunk);
-  if (!taken) context->TryCancel();
-  const grpc::Status status = reader->Finish();
-  if (!taken) return taken;
-  if (!status.ok()) return error_from(status);
-  return Done{};
+  return pass_on(*context, *link_->connection().jobs().Download(context.get(), request), sink);
+}
+
+Status Session::backup(const ChunkSink& sink) {
+  const auto context = link_->connection().stream_context();
+  return pass_on(*context, *link_->connection().admin().Backup(context.get(), {}), sink);
 }
 
 }  // namespace granary::session

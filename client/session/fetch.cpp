@@ -1,15 +1,10 @@
 #include "client/session/fetch.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 
 #include "client/session/backoff.h"
 #include "client/session/file_checksum.h"
+#include "client/session/part_file.h"
 
 namespace granary::session {
 namespace {
@@ -17,59 +12,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr BackoffLimits kResume{.first_s = 0.1, .longest_s = 5, .patience_s = 60};
-
-fs::path with_suffix(const fs::path& file, const char* suffix) {
-  fs::path path = file;
-  path += suffix;
-  return path;
-}
-
-Error file_error(const fs::path& path) {
-  return {ErrorCode::failed_precondition, path.string() + ": " + std::strerror(errno), ""};
-}
-
-// The growing FILE.part.
-class PartFile {
- public:
-  static Result<PartFile> open(const fs::path& path) {
-    const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (fd < 0) return file_error(path);
-    return PartFile(fd, path);
-  }
-  PartFile(PartFile&& other) noexcept : fd_(other.fd_), path_(std::move(other.path_)) {
-    other.fd_ = -1;
-  }
-  PartFile& operator=(PartFile&&) = delete;
-  ~PartFile() {
-    if (fd_ >= 0) close(fd_);
-  }
-
-  std::uint64_t size_bytes() const {
-    struct stat facts {};
-    return fstat(fd_, &facts) == 0 ? static_cast<std::uint64_t>(facts.st_size) : 0;
-  }
-
-  Status write_at(std::uint64_t offset_bytes, std::string_view bytes) {
-    while (!bytes.empty()) {
-      const ssize_t written =
-          pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset_bytes));
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) return file_error(path_);
-      bytes.remove_prefix(static_cast<std::size_t>(written));
-      offset_bytes += static_cast<std::uint64_t>(written);
-    }
-    return Done{};
-  }
-
-  Status empty() { return ftruncate(fd_, 0) == 0 ? Status(Done{}) : file_error(path_); }
-  Status sync() { return fsync(fd_) == 0 ? Status(Done{}) : file_error(path_); }
-  const fs::path& path() const { return path_; }
-
- private:
-  PartFile(int fd, fs::path path) : fd_(fd), path_(std::move(path)) {}
-  int fd_;
-  fs::path path_;
-};
 
 class Fetch {
  public:

@@ -64,10 +64,10 @@ Result<Response> Session::Link::call(const Invoke& invoke) {
     const auto wanted_s = full ? server_retry_delay_s(*context) : std::nullopt;
     if (status.error_code() != grpc::StatusCode::UNAVAILABLE && !wanted_s)
       return error_from(status);
-    const auto delay_s = backoff.next_delay_s(jitter());
+    const auto delay_s = backoff.next_delay_s(jitter(), wanted_s);
     if (!delay_s) return error_from(status);
-    notice_(NoticeLevel::detail, "trying again: " + status.error_message());
-    std::this_thread::sleep_for(std::chrono::duration<double>(wanted_s.value_or(*delay_s)));
+    notice_(full ? NoticeLevel::normal : NoticeLevel::detail, "trying again: " + status.error_message());
+    std::this_thread::sleep_for(std::chrono::duration<double>(*delay_s));
     if (auto renewed = renew(); !renewed) return renewed.error();
   }
 }

@@ -78,6 +78,9 @@ class Session {
   // One pass over the result file from `offset_bytes`. The caller resumes: see fetch.h.
   Status download(const std::string& name, std::uint64_t offset_bytes, const ChunkSink& sink);
 
+  // One pass over a fresh copy of the server's database.
+  Status backup(const ChunkSink& sink);
+
   // Before the next try after UNAVAILABLE: joins or starts the private server again when it is one.
   Status reconnect();
 

@@ -34,6 +34,7 @@ struct Error {
   ErrorCode code = ErrorCode::unknown;
   std::string message;     // one line for people
   std::string field_path;  // "discharge.particles.count"; empty when no field is to blame
+  int retry_after_ms = 0;  // RESOURCE_EXHAUSTED: it passes by itself, ask again then; 0 = it does not
 };
 
 std::string_view to_string(ErrorCode code);

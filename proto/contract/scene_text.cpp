@@ -122,6 +122,53 @@ void collect_lines(const Message& message, const TextFormat::ParseInfoTree& tree
   }
 }
 
+// Length of the character at the start of `text`, 0 when these bytes are not UTF-8.
+std::size_t utf8_character(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  const unsigned first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4) return 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((byte(i) & 0xC0) != 0x80) return 0;
+  const bool overlong = (first == 0xE0 && byte(1) < 0xA0) || (first == 0xF0 && byte(1) < 0x90);
+  const bool surrogate = first == 0xED && byte(1) > 0x9F;
+  return overlong || surrogate || (first == 0xF4 && byte(1) > 0x8F) ? 0 : length;
+}
+
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t length = utf8_character(text);
+    if (length == 0) return false;
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+// Path of a text that is not UTF-8, which no message may carry; escapes make it from harmless bytes.
+std::string path_of_bad_text(const Message& message, const std::string& prefix) {
+  std::vector<const FieldDescriptor*> fields;
+  const auto& reflection = *message.GetReflection();
+  reflection.ListFields(message, &fields);
+  for (const FieldDescriptor* field : fields) {
+    const int count = field->is_repeated() ? reflection.FieldSize(message, field) : 1;
+    for (int i = 0; i < count; ++i) {
+      const std::string path = prefix + field->name() + (field->is_repeated() ? "[" + std::to_string(i) + "]" : "");
+      if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+        const std::string found = path_of_bad_text(field->is_repeated() ? reflection.GetRepeatedMessage(message, field, i)
+                                                                        : reflection.GetMessage(message, field),
+                                                   path + ".");
+        if (!found.empty()) return found;
+      } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_STRING &&
+                 !is_utf8(field->is_repeated() ? reflection.GetRepeatedString(message, field, i)
+                                               : reflection.GetString(message, field))) {
+        return path;
+      }
+    }
+  }
+  return {};
+}
+
 using Lines = std::map<std::string, int>;
 
 Result<Lines> parse_text(std::string_view text, std::string_view file, Message& message) {
@@ -219,6 +266,8 @@ Result<Lines> parse_json(std::string_view text, std::string_view file, Message& 
     json = Json::parse(text);
   } catch (const Json::parse_error& error) {
     return invalid(file, line_of_offset(text, error.byte), "", "not valid JSON here");
+  } catch (const Json::out_of_range&) {
+    return invalid(file, 0, "", "a number in it is beyond the range of a double (1.8e308)");
   }
   JsonReader reader(text, file);
   if (Status status = reader.read(json, message, ""); !status) return status.error();
@@ -240,8 +289,12 @@ Result<Lines> parse_message(std::string_view text, std::string_view file_name, M
     return invalid(file_name, 0, "", "is larger than the 16 MiB a scene may have");
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos) return invalid(file_name, 0, "", "is empty: no scene in it");
-  return text[first] == '{' ? parse_json(text, file_name, message)
-                            : parse_text(text, file_name, message);
+  auto lines = text[first] == '{' ? parse_json(text, file_name, message)
+                                  : parse_text(text, file_name, message);
+  if (!lines) return lines;
+  if (const std::string path = path_of_bad_text(message, ""); !path.empty())
+    return invalid(file_name, (*lines)[path], path, "is not valid UTF-8 text");
+  return lines;
 }
 
 Result<v1::Scene> load_scene(std::string_view text, std::string_view file_name,
@@ -254,6 +307,8 @@ Result<v1::Scene> load_scene(std::string_view text, std::string_view file_name,
                    status.error().field_path};
     parsed->line_of.erase(path);
   }
+  if (const std::string path = path_of_bad_text(parsed->scene, ""); !path.empty())  // by --set
+    return invalid(file_name, 0, path, "is not valid UTF-8 text");
   if (Status status = validate_scene(parsed->scene); !status) {
     const Error& error = status.error();
     const auto line = parsed->line_of.find(error.field_path);

@@ -21,14 +21,20 @@ grpc::Status to_grpc(const Status& status) {
   return {static_cast<grpc::StatusCode>(error.code), error.message, error.field_path};
 }
 
+grpc::Status to_grpc(const Status& status, grpc::CallbackServerContext* context) {
+  if (!status.ok() && status.error().retry_after_ms > 0)
+    context->AddTrailingMetadata("grpc-retry-pushback-ms", std::to_string(status.error().retry_after_ms));
+  return to_grpc(status);
+}
+
 grpc::ServerUnaryReactor* answer_on_owner(Backend& backend, grpc::CallbackServerContext* context,
                                           std::function<Status()> work) {
   backend.touch();
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   auto outcome = std::make_shared<Status>(Done{});
   backend.owner.post([work = std::move(work), outcome] { *outcome = work(); },
-                     [reactor, outcome](const Status& committed) {
-                       reactor->Finish(to_grpc(committed.ok() ? *outcome : committed));
+                     [reactor, context, outcome](const Status& committed) {
+                       reactor->Finish(to_grpc(committed.ok() ? *outcome : committed, context));
                      });
   return reactor;
 }

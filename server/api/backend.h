@@ -11,6 +11,7 @@
 
 #include "server/artifacts/artifact_store.h"
 #include "server/jobs/dispatcher.h"
+#include "server/jobs/rate_limit.h"
 #include "server/store/owner_thread.h"
 #include "server/studies/study_director.h"
 
@@ -25,6 +26,7 @@ struct Backend {
   ArtifactStore& artifacts;
   StudyDirector& studies;   // owner thread only
   StudyStore& study_store;  // owner thread only
+  RateLimit& submissions;  // jobs by owner
   std::atomic<std::int64_t> last_use_ms{
       0};  // steady; users only, workers do not keep a server alive
 
@@ -35,6 +37,9 @@ struct Backend {
 std::string owner_of(const grpc::CallbackServerContext& context);
 
 grpc::Status to_grpc(const Status& status);
+// The same, with the delay after which to ask again, if there is one, in trailing metadata under gRPC's
+// own name ("grpc-retry-pushback-ms").
+grpc::Status to_grpc(const Status& status, grpc::CallbackServerContext* context);
 
 // Answers a unary call from the owner thread: `work` fills the response inside the transaction, the
 // reply leaves after the commit.

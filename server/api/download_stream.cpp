@@ -1,76 +1,29 @@
 #include "server/api/download_stream.h"
 
-#include <algorithm>
 #include <memory>
 
 namespace granary::server {
 namespace {
 
-constexpr std::uint64_t kChunkBytes = 1 << 20;  // 1 GB/s on loopback; larger gains nothing
-
-class DownloadReactor : public grpc::ServerWriteReactor<v1::DownloadChunk> {
- public:
-  DownloadReactor(Backend& backend, std::function<Result<DownloadRange>()> find)
-      : backend_(backend) {
-    auto range = std::make_shared<Result<DownloadRange>>(Error{});
-    backend.owner.post([range, find = std::move(find)] { *range = find(); },
-                       [this, range](const Status& committed) {
-                         if (!committed.ok()) return Finish(to_grpc(committed));
-                         if (!range->ok()) return Finish(to_grpc(range->error()));
-                         start(range->value());
-                       });
-  }
-
-  void OnWriteDone(bool ok) override {
-    if (!ok) return Finish(grpc::Status::CANCELLED);
-    send_next();
-  }
-  void OnDone() override { delete this; }
-
- private:
-  void start(const DownloadRange& range) {
-    auto reader = backend_.artifacts.open(range.artifact.sha256);
-    if (!reader) return Finish(to_grpc(reader.error()));
-    if (range.offset_bytes > range.artifact.size_bytes)
-      return Finish({grpc::StatusCode::OUT_OF_RANGE, "offset_bytes is beyond the end of the file"});
-    reader_ = std::move(*reader);
-    offset_ = range.offset_bytes;
-    end_ = range.artifact.size_bytes;
-    if (range.limit_bytes > 0) end_ = std::min(end_, offset_ + range.limit_bytes);
-    chunk_.mutable_artifact()->set_sha256(range.artifact.sha256);
-    chunk_.mutable_artifact()->set_size_bytes(range.artifact.size_bytes);
-    chunk_.set_offset_bytes(offset_);
-    if (offset_ < end_) return send_next();
-    started_ = true;  // nothing left to send, but the client learns size and checksum
-    StartWrite(&chunk_);
-  }
-
-  void send_next() {
-    if (offset_ == end_) return Finish(grpc::Status::OK);
-    auto bytes = reader_->read(offset_, std::min(kChunkBytes, end_ - offset_));
-    if (!bytes) return Finish(to_grpc(bytes.error()));
-    if (bytes->empty())
-      return Finish({grpc::StatusCode::DATA_LOSS, "the stored file is shorter than recorded"});
-    if (started_) chunk_.clear_artifact();
-    started_ = true;
-    chunk_.set_offset_bytes(offset_);
-    offset_ += bytes->size();
-    chunk_.set_data(std::move(*bytes));
-    StartWrite(&chunk_);
-  }
-
-  Backend& backend_;
-  std::unique_ptr<ArtifactReader> reader_;
-  v1::DownloadChunk chunk_;
-  std::uint64_t offset_ = 0, end_ = 0;
-  bool started_ = false;
-};
+void open_and_send(Backend& backend, const Result<DownloadRange>& range, ArtifactSender* sender) {
+  if (!range.ok()) return sender->refuse(to_grpc(range.error()));
+  auto reader = backend.artifacts.open(range->artifact.sha256);
+  if (!reader) return sender->refuse(to_grpc(reader.error()));
+  sender->send(std::move(*reader), *range);
+}
 
 }  // namespace
 
 grpc::ServerWriteReactor<v1::DownloadChunk>* send_artifact(
     Backend& backend, std::function<Result<DownloadRange>()> find) {
-  return new DownloadReactor(backend, std::move(find));
+  auto* sender = new ArtifactSender;
+  auto range = std::make_shared<Result<DownloadRange>>(Error{});
+  backend.owner.post([range, find = std::move(find)] { *range = find(); },
+                     [&backend, range, sender](const Status& committed) {
+                       if (!committed.ok()) return sender->refuse(to_grpc(committed));
+                       open_and_send(backend, *range, sender);
+                     });
+  return sender;
 }
 
 }  // namespace granary::server

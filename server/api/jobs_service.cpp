@@ -19,7 +19,7 @@ Error bad_name(const std::string& name) {
 
 grpc::ServerUnaryReactor* refuse(grpc::CallbackServerContext* context, const Error& error) {
   auto* reactor = context->DefaultReactor();
-  reactor->Finish(to_grpc(error));
+  reactor->Finish(to_grpc(error, context));
   return reactor;
 }
 
@@ -63,7 +63,11 @@ Result<Submission> read_submission(const v1::SubmitJobsRequest& request, const s
 grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* context,
                                               const v1::SubmitJobsRequest* request,
                                               v1::SubmitJobsResponse* response) {
-  auto submission = read_submission(*request, owner_of(*context));  // parsing and resolving stay off the owner thread
+  const std::string owner = owner_of(*context);
+  if (const int wait_ms = backend_.submissions.take(owner, request->items_size(), system_now().steady_ms); wait_ms > 0)
+    return refuse(context, {ErrorCode::resource_exhausted, owner + " submits faster than this server takes: nothing was queued, try again later",
+                            "", wait_ms});
+  auto submission = read_submission(*request, owner);  // parsing and resolving stay off the owner thread
   if (!submission) return refuse(context, submission.error());
   return answer_on_owner(backend_, context,
                          [this, response, submission = std::move(*submission)]() -> Status {

@@ -54,6 +54,7 @@ class WorkerReactor : public grpc::ServerBidiReactor<v1::WorkerMessage, v1::Serv
           {grpc::StatusCode::FAILED_PRECONDITION, "the first message must be hello"});
       return false;
     }
+    if (incoming_.has_finished()) check_delivery(*incoming_.mutable_finished());
     post([worker = worker_id_, message = std::move(incoming_)](Dispatcher& d, Now now) {
       switch (message.what_case()) {
         case v1::WorkerMessage::kHeartbeat: return d.heartbeat(worker, message.heartbeat(), now);
@@ -67,6 +68,17 @@ class WorkerReactor : public grpc::ServerBidiReactor<v1::WorkerMessage, v1::Serv
       }
     });
     return true;
+  }
+
+  // A job is complete when its file is here, not when somebody says so.
+  void check_delivery(v1::TaskFinished& finished) const {
+    if (finished.outcome() != v1::TaskFinished::COMPLETE) return;
+    const auto bytes = backend_.artifacts.size_of(finished.artifact().sha256());
+    if (bytes.ok() && *bytes == finished.artifact().size_bytes()) return;
+    finished.set_outcome(v1::TaskFinished::CRASHED);
+    finished.set_message("the worker reported a result file that never arrived");
+    finished.clear_artifact();
+    finished.clear_result();
   }
 
   bool accept_hello() {

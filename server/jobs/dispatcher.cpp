@@ -10,6 +10,7 @@ namespace granary::server {
 namespace {
 
 constexpr std::int64_t kForgetLostWorkerMs = 3'600'000;
+constexpr int kQueueMovesOnMs = 2000;
 
 Error not_found(JobId id) {
   return {ErrorCode::not_found, "no job " + job_name(id), "name"};
@@ -93,7 +94,8 @@ JobId Dispatcher::insert(const NewJob& job, Now now) {
 std::optional<Error> Dispatcher::queue_is_full(const Submission& submission) const {
   const auto full = [](const std::string& whose, std::uint64_t limit) {
     return Error{ErrorCode::resource_exhausted,
-                 whose + " is full (" + std::to_string(limit) + " waiting jobs), retry in 10 s", ""};
+                 whose + " is full (" + std::to_string(limit) + " waiting jobs): nothing was queued, try again later", "",
+                 kQueueMovesOnMs};
   };
   if (tally_.waiting() + submission.jobs.size() > limits_.max_waiting)
     return full("the queue", limits_.max_waiting);
@@ -106,6 +108,7 @@ std::optional<Error> Dispatcher::queue_is_full(const Submission& submission) con
 Result<std::vector<JobId>> Dispatcher::submit(const Submission& submission, Now now) {
   if (!submission.request_id.empty())
     if (auto earlier = store_.find_request(submission.request_id)) return *earlier;
+  if (!intake_refusal_.empty()) return Error{ErrorCode::resource_exhausted, intake_refusal_, ""};
   if (auto full = queue_is_full(submission)) return *full;
   std::vector<NewJob> filled;  // those that start from another job's filling
   for (const NewJob& job : submission.jobs) {
@@ -244,6 +247,11 @@ void Dispatcher::worker_disconnected(const std::string& worker_id, const WorkerL
   record_worker(worker_id, now);
 }
 
+void Dispatcher::close_links() {
+  for (auto& [id, worker] : registry_.all())
+    if (auto link = std::exchange(worker.link, nullptr)) link->close();
+}
+
 void Dispatcher::heartbeat(const std::string& worker_id, const v1::WorkerHeartbeat& message,
                            Now now) {
   registry_.seen(worker_id, now.steady_ms);
@@ -322,6 +330,7 @@ void Dispatcher::end_execution(JobRecord job, ExecutionEnd end, const std::strin
   const TaskId task = job.task;
   store_.end_task(task, now.wall_ms, outcome_text(end), message);
   leases_.end(task);
+  ++executions_ended_[std::string(outcome_text(end))];
   tally_.job_runs_no_more();
   apply_execution_end(job, end, message, now);
   if (is_final(job.state)) store_.put_resume_files(job.id, {});

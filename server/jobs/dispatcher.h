@@ -61,13 +61,21 @@ class Dispatcher {
   // May this worker still deliver for this task? An upload or a result of anyone else is refused.
   bool holds(TaskId task) const { return leases_.find(task) != nullptr; }
 
+  // Every worker comes back with what it holds and tells its results again: what it said last may
+  // have been lost with a failed commit. At once, not after a commit.
+  void close_links();
+
   // ---- time
   void tick(Now now);  // expired leases, forgotten workers, jobs waiting for a slot
   bool idle() const;   // nobody watches, nothing waits or runs
 
   std::vector<v1::WorkerInfo> list_workers(Now now);
+  // Why nothing new is accepted at present; empty = accepting. Running jobs go on.
+  void set_intake_refusal(std::string reason) { intake_refusal_ = std::move(reason); }
   const QueueTally& tally() const { return tally_; }
   std::uint32_t free_slots();
+  // Executions ended since the start, by outcome.
+  const std::map<std::string, std::uint64_t>& executions_ended() const { return executions_ended_; }
 
   // Studies whose jobs have ended since the last call.
   std::set<StudyId> take_studies_to_advance() { return std::exchange(studies_to_advance_, {}); }
@@ -96,6 +104,8 @@ class Dispatcher {
   WorkerRegistry registry_;
   WatchHub hub_;
   QueueTally tally_;
+  std::string intake_refusal_;
+  std::map<std::string, std::uint64_t> executions_ended_;
   std::uint64_t epoch_ = 0;
   std::uint64_t events_ = 0;
   bool slots_may_be_free_ = true;

@@ -14,7 +14,8 @@ constexpr std::array<std::pair<Role, std::string_view>, 4> kRoles = {
     {{Role::read, "read"}, {Role::submit, "submit"}, {Role::worker, "worker"}, {Role::admin, "admin"}}};
 
 // The least role that may call; every RPC stands here, a test walks the descriptors.
-constexpr std::array<std::pair<std::string_view, Role>, 26> kCalls = {{
+constexpr std::array<std::pair<std::string_view, Role>, 27> kCalls = {{
+    {"/granary.v1.Admin/Backup", Role::admin},
     {"/granary.v1.Jobs/Submit", Role::submit},
     {"/granary.v1.Jobs/Get", Role::read},
     {"/granary.v1.Jobs/List", Role::read},
@@ -65,6 +66,7 @@ bool may_call(Role role, std::string_view path) {
   if (role == Role::admin) return true;
   for (const auto& [call, least] : kCalls) {
     if (call != path) continue;
+    if (least == Role::admin) return false;
     if (least == Role::worker || role == Role::worker) return least == role;
     return least == Role::read || role == Role::submit;
   }

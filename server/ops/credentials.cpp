@@ -61,7 +61,8 @@ class TokenFile {
 
 class TokenCheck : public grpc::AuthMetadataProcessor {
  public:
-  explicit TokenCheck(std::unique_ptr<TokenFile> tokens) : tokens_(std::move(tokens)) {}
+  TokenCheck(std::unique_ptr<TokenFile> tokens, RefusedCall refused)
+      : tokens_(std::move(tokens)), refused_(std::move(refused)) {}
 
   bool IsBlocking() const override { return false; }
 
@@ -72,14 +73,20 @@ class TokenCheck : public grpc::AuthMetadataProcessor {
         path_entry == metadata.end() ? "" : std::string(path_entry->second.data(), path_entry->second.size());
     if (is_open(path)) return grpc::Status::OK;
     const auto entry = metadata.find("authorization");
-    if (entry == metadata.end())
+    if (entry == metadata.end()) {
+      refused_("", path, "UNAUTHENTICATED");
       return {grpc::StatusCode::UNAUTHENTICATED, "this server needs a token (--token-file)"};
+    }
     const std::string value(entry->second.data(), entry->second.size());
     const auto owner = value.rfind(kBearer, 0) == 0 ? tokens_->find(std::string_view(value).substr(kBearer.size()))
                                                     : std::nullopt;
-    if (!owner) return {grpc::StatusCode::UNAUTHENTICATED, "the token is unknown or has expired"};
+    if (!owner) {
+      refused_("", path, "UNAUTHENTICATED");
+      return {grpc::StatusCode::UNAUTHENTICATED, "the token is unknown or has expired"};
+    }
     if (!may_call(owner->role, path)) {
       spdlog::warn("event=refused owner={} role={} call={}", owner->owner, role_name(owner->role), path);
+      refused_(owner->owner, path, "PERMISSION_DENIED");
       return {grpc::StatusCode::PERMISSION_DENIED,
               "role " + std::string(role_name(owner->role)) + " may not call " + path};
     }
@@ -91,6 +98,7 @@ class TokenCheck : public grpc::AuthMetadataProcessor {
 
  private:
   std::unique_ptr<TokenFile> tokens_;
+  RefusedCall refused_;
 };
 
 Result<std::shared_ptr<grpc::ServerCredentials>> tls_credentials(const AccessConfig& config) {
@@ -106,7 +114,8 @@ Result<std::shared_ptr<grpc::ServerCredentials>> tls_credentials(const AccessCon
 }  // namespace
 
 Result<std::shared_ptr<grpc::ServerCredentials>> make_credentials(const AccessConfig& config,
-                                                                  const std::string& address) {
+                                                                  const std::string& address,
+                                                                  RefusedCall refused) {
   std::shared_ptr<grpc::ServerCredentials> credentials;
   if (config.has_tls()) {
     auto tls = tls_credentials(config);
@@ -122,7 +131,7 @@ Result<std::shared_ptr<grpc::ServerCredentials>> make_credentials(const AccessCo
   if (config.has_tokens()) {
     auto tokens = std::make_unique<TokenFile>(config.tokens);
     if (Status status = tokens->reload(); !status) return status.error();
-    credentials->SetAuthMetadataProcessor(std::make_shared<TokenCheck>(std::move(tokens)));
+    credentials->SetAuthMetadataProcessor(std::make_shared<TokenCheck>(std::move(tokens), std::move(refused)));
   }
   return credentials;
 }

@@ -5,6 +5,7 @@
 #include <grpcpp/security/server_credentials.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -21,8 +22,13 @@ struct AccessConfig {
   bool has_tokens() const { return !tokens.empty(); }
 };
 
+// A call that got no further than its token: owner ("" when unknown), path, gRPC's code. On gRPC's threads.
+using RefusedCall =
+    std::function<void(const std::string& owner, const std::string& path, const std::string& code)>;
+
 // `address`: a Unix socket or a TCP address. The token file is read again when it changes.
 Result<std::shared_ptr<grpc::ServerCredentials>> make_credentials(const AccessConfig& config,
-                                                                  const std::string& address);
+                                                                  const std::string& address,
+                                                                  RefusedCall refused);
 
 }  // namespace granary::server

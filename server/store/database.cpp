@@ -30,8 +30,18 @@ Database::Database(const std::filesystem::path& file)
   migrate(connection_);
 }
 
+bool Database::in_transaction() const {
+  return sqlite3_get_autocommit(connection_.getHandle()) == 0;
+}
+
 void Database::rollback() {
-  if (sqlite3_get_autocommit(connection_.getHandle()) == 0) connection_.exec("ROLLBACK");
+  if (in_transaction()) connection_.exec("ROLLBACK");
+}
+
+ErrorCode Database::code_of(const std::exception& failure) const {
+  const auto* error = dynamic_cast<const SQLite::Exception*>(&failure);
+  return error && error->getErrorCode() == SQLITE_FULL ? ErrorCode::resource_exhausted
+                                                       : ErrorCode::unavailable;
 }
 
 }  // namespace granary::server

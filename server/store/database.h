@@ -23,6 +23,8 @@ class Database : public TransactionControl {
   void rollback_to_savepoint() override {
     connection_.exec("ROLLBACK TO request; RELEASE request");
   }
+  bool in_transaction() const override;
+  ErrorCode code_of(const std::exception& failure) const override;
 
   SQLite::Database& connection() { return connection_; }
 

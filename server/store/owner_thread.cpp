@@ -68,17 +68,32 @@ void OwnerThread::run_batch(std::deque<Item> batch, bool tick) {
     if (tick && hooks_.on_tick) hooks_.on_tick();
     for (const Item& item : batch) outcomes.push_back(run_item(item.work));
     if (hooks_.before_commit) hooks_.before_commit();
-    database_.commit();
+    commit();
   } catch (const std::exception& error) {
     database_.rollback();
-    committed =
-        Error{ErrorCode::unavailable, std::string("the store cannot write: ") + error.what(), ""};
+    committed = Error{database_.code_of(error),
+                      std::string("the server cannot store anything: ") + error.what(), ""};
   }
   const bool ok = committed.ok();
   if (ok && hooks_.after_commit) hooks_.after_commit();
   if (!ok && hooks_.after_failed_commit) hooks_.after_failed_commit();
   for (std::size_t i = 0; i < batch.size(); ++i)
     if (batch[i].reply) batch[i].reply(ok ? outcomes[i] : committed);
+}
+
+void OwnerThread::commit() {
+  const auto start = std::chrono::steady_clock::now();
+  const auto report = [&](bool ok) {
+    if (hooks_.on_commit)
+      hooks_.on_commit(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), ok);
+  };
+  try {
+    database_.commit();
+  } catch (...) {
+    report(false);
+    throw;
+  }
+  report(true);
 }
 
 Status OwnerThread::run_item(const Work& work) {
@@ -88,6 +103,7 @@ Status OwnerThread::run_item(const Work& work) {
     database_.release_savepoint();
     return Done{};
   } catch (const std::exception& error) {
+    if (!database_.in_transaction()) throw;  // nothing of this batch is left to commit
     database_.rollback_to_savepoint();
     return Error{ErrorCode::internal, error.what(), ""};
   }

@@ -25,6 +25,10 @@ class TransactionControl {
   virtual void savepoint() = 0;
   virtual void release_savepoint() = 0;
   virtual void rollback_to_savepoint() = 0;
+  // SQLite gives up a whole transaction by itself when the disk is full.
+  virtual bool in_transaction() const = 0;
+  // RESOURCE_EXHAUSTED for a full disk, else UNAVAILABLE.
+  virtual ErrorCode code_of(const std::exception& failure) const = 0;
 };
 
 class OwnerThread {
@@ -37,6 +41,7 @@ class OwnerThread {
     std::function<void()> after_commit;         // send effects
     std::function<void()> after_failed_commit;  // rebuild memory from the database
     std::function<void()> on_tick;              // inside a transaction, every `tick_ms`
+    std::function<void(double seconds, bool ok)> on_commit;  // how long the batch's commit took
     int tick_ms = 500;
   };
 
@@ -54,6 +59,7 @@ class OwnerThread {
   };
   void run();
   void run_batch(std::deque<Item> batch, bool tick);
+  void commit();
   Status run_item(const Work& work);
 
   TransactionControl& database_;

@@ -59,9 +59,11 @@ bool is_alive(pid_t pid) {
 }
 
 void RealService::start_server() {
+  std::vector<std::string> command{GRANARY_BIN "/granaryd", "--data", scratch.file("data"), "--listen", address};
+  command.insert(command.end(), server_arguments.begin(), server_arguments.end());
   server = std::make_unique<Program>(ProgramOptions{
-      .command = {GRANARY_BIN "/granaryd", "--data", scratch.file("data"), "--listen", address},
-      .environment = {},
+      .command = command,
+      .environment = server_environment,
       .input = "",
       .on_terminal = false});
   ASSERT_TRUE(server->prints("listening on")) << server->err();

@@ -47,6 +47,10 @@ class RealService : public testing::Test {
   // A discharge that computes for about half a minute, with the first progress after milliseconds.
   std::vector<std::string> long_scene() const;
 
+  // Of the next start_server().
+  std::map<std::string, std::string> server_environment;
+  std::vector<std::string> server_arguments;
+
   ScratchDirectory scratch;
   std::string address = "unix:" + scratch.file("granaryd.sock");
   std::unique_ptr<Program> server;

@@ -89,6 +89,23 @@ TEST(SceneText, json_errors_name_line_and_path) {
   EXPECT_THAT(broken.error().message, HasSubstr("a.json:2:"));
 }
 
+TEST(SceneText, a_json_number_beyond_a_double_is_refused) {
+  const auto scene = load_scene(R"({"seed": 1, "discharge": {"run_up_m": 1e30801}})", "s.json", {});
+  ASSERT_FALSE(scene.ok());
+  EXPECT_EQ(scene.error().message, "s.json: a number in it is beyond the range of a double (1.8e308)");
+}
+
+// Escapes make bytes that no message may carry out of harmless ones.
+TEST(SceneText, text_that_is_not_utf8_is_refused_with_its_field) {
+  for (const char* bad : {"\\xff", "\\xc0\\x80", "\\xed\\xa0\\x80", "\\xe2\\x82"}) {
+    const auto scene = load_scene("name: \"" + std::string(bad) + "\"\ndischarge {}", "s.txtpb", {});
+    ASSERT_FALSE(scene.ok()) << bad;
+    EXPECT_EQ(scene.error().message, "s.txtpb:1: name: is not valid UTF-8 text");
+  }
+  EXPECT_FALSE(load_scene("discharge {}", "s.txtpb", std::vector<FieldSetting>{{"name", "\xff"}}).ok());
+  EXPECT_TRUE(parse_scene("name: \"K\xc3\xb6rner \xe2\x82\xac \xf0\x9f\x8c\xbe\"", "s.txtpb").ok());
+}
+
 TEST(SetField, takes_paths_indices_and_bare_enums) {
   v1::Scene scene;
   EXPECT_TRUE(set_field(scene, "chute.particles[0].diameter_m", "0.003").ok());

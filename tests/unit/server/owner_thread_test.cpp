@@ -19,8 +19,13 @@ class FakeTransactions : public TransactionControl {
   void savepoint() override {}
   void release_savepoint() override { log += "+"; }
   void rollback_to_savepoint() override { log += "-"; }
+  bool in_transaction() const override { return !lost_transaction; }
+  ErrorCode code_of(const std::exception&) const override {
+    return lost_transaction ? ErrorCode::resource_exhausted : ErrorCode::unavailable;
+  }
 
   std::atomic<bool> fail_commits = false;
+  std::atomic<bool> lost_transaction = false;
   std::string log;  // owner thread
 };
 
@@ -53,6 +58,23 @@ TEST(OwnerThread, a_throwing_request_is_undone_alone) {
   owner.stop();
   EXPECT_NE(database.log.find('-'), std::string::npos);
   EXPECT_NE(database.log.find('+'), std::string::npos);
+}
+
+// What SQLite does when the disk fills up in the middle of a statement.
+TEST(OwnerThread, a_transaction_given_up_by_the_database_fails_its_whole_batch) {
+  FakeTransactions database;
+  int effects = 0;
+  OwnerThread::Hooks hooks;
+  hooks.after_commit = [&] { ++effects; };
+  OwnerThread owner(database, hooks);
+  const Status status = ask(owner, [&] {
+    database.lost_transaction = true;
+    throw std::runtime_error("database or disk is full");
+  });
+  EXPECT_EQ(status.error().code, ErrorCode::resource_exhausted);
+  EXPECT_NE(status.error().message.find("database or disk is full"), std::string::npos);
+  owner.stop();
+  EXPECT_EQ(database.log.find('-'), std::string::npos) << "a savepoint that is gone was rolled back to";
 }
 
 TEST(OwnerThread, a_failed_commit_fails_every_request_and_drops_effects) {

@@ -1,0 +1,39 @@
+// Any bytes as a scene: refused with one line, or a scene that survives being written and read again.
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+
+#include "proto/contract/resolve.h"
+#include "proto/contract/scene_text.h"
+
+namespace {
+
+void require(bool holds, const char* what) {
+  if (holds) return;
+  std::fprintf(stderr, "broken: %s\n", what);
+  std::abort();
+}
+
+void require_one_line(const granary::Error& error) {
+  require(!error.message.empty(), "an error says something");
+  require(error.message.find('\n') == std::string::npos, "an error is one line");
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto scene = granary::load_scene(text, "scene.txtpb", {});
+  if (!scene) return require_one_line(scene.error()), 0;
+  const auto resolved = granary::resolve(*scene);
+  if (!resolved) return require_one_line(resolved.error()), 0;
+  const std::string key = granary::job_key(resolved->scene);
+  for (const std::string& written : {granary::scene_to_text(*scene), granary::scene_to_json(*scene)}) {
+    const auto again = granary::load_scene(written, "again", {});
+    require(again.ok(), "what was written can be read");
+    const auto resolved_again = granary::resolve(*again);
+    require(resolved_again.ok() && granary::job_key(resolved_again->scene) == key, "and is the same job");
+  }
+  return 0;
+}

@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# What is too long for every change: full kill storms, fuzzing, scale, sanitizers. Each part adds a row to
+# tests/long_results.md with date, commit, size, result and seconds; the suite keeps a reduced size of each.
+#   tests/long.sh [PART..]    parts: storm faults scale fuzz asan tsan; default: all
+set -euo pipefail
+cd "$(dirname "$0")/.."
+parts=("$@")
+[ ${#parts[@]} -gt 0 ] || parts=(storm faults scale fuzz asan tsan)
+table=tests/long_results.md
+log=$(mktemp -d)
+
+row() {  # part, size, result, seconds
+  echo "| $(date -u +%F) | $(git rev-parse --short HEAD) | $1 | $2 | $3 | $4 |" | tee -a "$table"
+}
+timed() {  # part, size, command..: a row with what came of it
+  local part=$1 size=$2 start=$SECONDS result=passed
+  shift 2
+  "$@" >"$log/$part.log" 2>&1 || result="FAILED, see $log/$part.log"
+  row "$part" "$size" "$result" $((SECONDS - start))
+  [ "$result" = passed ] || failed=1
+}
+failed=0
+
+storm() {
+  timed storm "200 kills, 500 jobs" env GRANARY_STORM_KILLS=200 GRANARY_STORM_JOBS=500 \
+    build/release/tests/faults_service --gtest_filter='KillStorm.*'
+}
+faults() {
+  timed faults "300 kills of the engine, every byte and every write" env GRANARY_KILLS=300 GRANARY_STRIDE=1 \
+    build/release/tests/faults_storage
+}
+scale() {
+  timed scale "1,000,000 jobs, 100 workers" build/release/bin/queue_scale
+  cat "$log/scale.log"
+}
+fuzz() {
+  local seconds=${GRANARY_FUZZ_SECONDS:-600}
+  cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_COMPILER=clang++ \
+    -DGRANARY_SANITIZE=address,undefined,fuzzer-no-link -DGRANARY_FUZZ=ON >"$log/fuzz.log"
+  for target in scene_text worker_protocol query; do
+    [ -f "tests/fuzz/${target}_fuzz.cpp" ] || continue
+    cmake --build build/fuzz --target "fuzz_$target" >>"$log/fuzz.log"
+    mkdir -p "build/fuzz/found/$target"
+    timed "fuzz $target" "$seconds s of libFuzzer, ASan+UBSan" \
+      "$(find build/fuzz -name "fuzz_$target" -type f)" -max_total_time="$seconds" -rss_limit_mb=4096 \
+      "build/fuzz/found/$target" "tests/fuzz/corpus/$target"
+  done
+}
+asan() {
+  cmake --preset asan >"$log/asan.log" && cmake --build --preset asan >>"$log/asan.log"
+  timed asan "whole suite, ASan+UBSan" ctest --test-dir build/asan --output-on-failure --timeout 1800
+}
+# gRPC is not built for the thread sanitizer and would drown its own reports: everything else.
+tsan() {
+  cmake --preset tsan >"$log/tsan.log" && cmake --build --preset tsan >>"$log/tsan.log"
+  timed tsan "unit, physics, stability and storage faults without gRPC" ctest --test-dir build/tsan \
+    --output-on-failure --timeout 1800 -L 'unit|physics|stability|faults' -E 'KillStorm|FullServerDisk|OutgoingQueue'
+}
+
+for part in "${parts[@]}"; do "$part"; done
+exit $failed
