@@ -54,6 +54,7 @@ struct Options {
   int parent = 0;
   agent::AgentConfig agent;
   std::string log_level = "info";
+  std::vector<std::string> tags;
 };
 
 void declare(CLI::App& app, Options& options) {
@@ -65,6 +66,12 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--tls-ca", options.agent.tls_ca, "certificate authority (PEM): the server speaks TLS")
       ->envname("GRANARY_TLS_CA");
   app.add_option("--slots", options.agent.slots, "tasks at a time")->check(CLI::Range(1, 1024))->capture_default_str();
+  app.add_option("--tag", options.tags, "name=value that jobs may ask for by --worker-tag (repeatable)")
+      ->allow_extra_args(false)
+      ->check([](const std::string& text) {
+        const auto equals = text.find('=');
+        return equals == std::string::npos || equals == 0 ? "must be name=value" : "";
+      });
   app.add_option("--work-dir", options.agent.work_dir, "folder for running tasks (default: a temporary one)");
   app.add_option("--log-level", options.log_level, "debug, info, warn, error")->envname("GRANARY_LOG_LEVEL");
   app.add_option("--scene", options.console.scene_file, "run this scene without a server; - = stdin");
@@ -102,6 +109,8 @@ int serve(Options& options) {
   if (options.agent.work_dir.empty())
     options.agent.work_dir = std::filesystem::temp_directory_path() / ("granary-work-" + std::to_string(::getuid()));
   options.agent.program = std::filesystem::read_symlink("/proc/self/exe");
+  for (const std::string& tag : options.tags)
+    options.agent.tags[tag.substr(0, tag.find('='))] = tag.substr(tag.find('=') + 1);
   options.agent.vector_path = engine_build().vector_path;
   options.agent.kinds = {"chute", "discharge"};
   return agent::run_agent(options.agent);

@@ -121,6 +121,10 @@ void add_submission_options(CLI::App& verb, SubmissionOptions& options) {
   verb.add_option("--tag", options.tags, "label the jobs: name=value (repeatable)")
       ->allow_extra_args(false)
       ->type_name("NAME=VALUE");
+  verb.add_option("--worker-tag", options.worker_tags,
+                  "only workers started with this --tag: name=value (repeatable)")
+      ->allow_extra_args(false)
+      ->type_name("NAME=VALUE");
   verb.add_option("--priority", options.priority, "higher runs first (default 0)");
   verb.add_option("--request-id", options.request_id,
                   "the same id again returns the same jobs, whatever happened in between");
@@ -147,6 +151,8 @@ Result<v1::SubmitJobsRequest> make_request(const SubmissionOptions& options,
                                            std::uint32_t default_threads) {
   auto tags = split_pairs(options.tags, "--tag");
   if (!tags) return tags.error();
+  auto worker_tags = split_pairs(options.worker_tags, "--worker-tag");
+  if (!worker_tags) return worker_tags.error();
   double time_limit_s = 0;
   if (!options.time_limit.empty()) {
     auto parsed = parse_duration_s(options.time_limit);
@@ -164,6 +170,7 @@ Result<v1::SubmitJobsRequest> make_request(const SubmissionOptions& options,
     if (default_threads > 0 && !item.scene().has_threads())
       item.mutable_scene()->set_threads(default_threads);
     for (const auto& [name, value] : *tags) (*item.mutable_tags())[name] = value;
+    for (const auto& [name, value] : *worker_tags) (*item.mutable_worker_tags())[name] = value;
     item.set_priority(options.priority);
     item.set_time_limit_s(time_limit_s);
     item.set_fresh(options.fresh);

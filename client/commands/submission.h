@@ -15,6 +15,7 @@ struct SubmissionOptions {
   std::vector<std::string> scenes;    // files, "-" = stdin
   std::vector<std::string> settings;  // path=value
   std::vector<std::string> tags;      // key=value
+  std::vector<std::string> worker_tags;  // key=value
   std::int32_t priority = 0;
   std::string request_id;
   std::string time_limit;

@@ -1,6 +1,7 @@
 #include "server/api/job_messages.h"
 
 #include "server/jobs/new_job.h"
+#include "server/jobs/worker_needs.h"
 
 namespace granary::server {
 namespace {
@@ -31,6 +32,7 @@ v1::Job to_message(const JobRecord& job) {
   message.set_time_limit_s(job.time_limit_s);
   message.set_reused(job.reused);
   message.set_timed_out(job.timed_out);
+  for (const auto& [name, value] : tags_of_needs(job.needs)) (*message.mutable_worker_tags())[name] = value;
   if (job.study != 0) message.set_study(study_name(job.study));
   if (!job.result_sha256.empty()) {
     message.mutable_result()->set_sha256(job.result_sha256);
@@ -43,6 +45,9 @@ Result<NewJob> to_new_job(const v1::SubmitJobsRequest::Item& item, const std::st
   auto made = new_job_of(item.scene());
   if (!made) return made.error();
   NewJob& job = *made;
+  const Tags worker_tags(item.worker_tags().begin(), item.worker_tags().end());
+  if (Status status = check_worker_tags(worker_tags); !status) return status.error();
+  job.needs = needs_text(worker_tags);
   job.tags = {item.tags().begin(), item.tags().end()};
   job.priority = item.priority();
   job.owner = owner;

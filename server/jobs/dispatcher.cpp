@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "proto/contract/job_state.h"
+#include "server/jobs/worker_needs.h"
 #include "server/jobs/stored_filling.h"
 
 namespace granary::server {
@@ -60,7 +61,7 @@ void Dispatcher::reload(Now now) {
   leases_.clear();
   for (const TaskRecord& task : store_.open_tasks())
     leases_.grant(task.id, task.job, task.worker, now.steady_ms);
-  tally_.load(store_.waiting_by_owner(), store_.count_running());
+  tally_.load(store_.waiting_by_owner(), store_.waiting_by_class(), store_.count_running());
   effects_.clear();
   studies_to_advance_.clear();
   slots_may_be_free_ = true;
@@ -72,7 +73,7 @@ JobId Dispatcher::insert(const NewJob& job, Now now) {
   const JobId id = store_.insert_job(job, now.wall_ms);
   const auto stored = job.fresh ? std::nullopt : store_.find_complete(job.key);
   if (!stored) {
-    tally_.job_waits(job.owner);
+    tally_.job_waits(job.owner, {job.kind, job.needs});
     slots_may_be_free_ = true;
     store_.append_event(id, {next_sequence(), now.wall_ms, v1::WAITING, ""});
     return id;
@@ -144,7 +145,7 @@ Result<JobRecord> Dispatcher::cancel(JobId id, Now now) {
   auto job = store_.find_job(id);
   if (!job) return not_found(id);
   if (job->state == v1::WAITING) {
-    tally_.job_waits_no_more(job->owner);
+    tally_.job_waits_no_more(job->owner, {job->kind, job->needs});
     job->cancel_requested = true;
     job->state = v1::CANCELLED;
     job->error = "cancelled";
@@ -174,7 +175,7 @@ Result<JobRecord> Dispatcher::retry(JobId id, Now now) {
   job->lost_workers = job->engine_crashes = 0;
   job->error.clear();
   job->ended_ms = 0;
-  tally_.job_waits(job->owner);
+  tally_.job_waits(job->owner, {job->kind, job->needs});
   store_state(*job, "retried", now);
   fill_slots(now);
   return *job;
@@ -334,7 +335,7 @@ void Dispatcher::end_execution(JobRecord job, ExecutionEnd end, const std::strin
   tally_.job_runs_no_more();
   apply_execution_end(job, end, message, now);
   if (is_final(job.state)) store_.put_resume_files(job.id, {});
-  if (job.state == v1::WAITING) tally_.job_waits(job.owner);
+  if (job.state == v1::WAITING) tally_.job_waits(job.owner, {job.kind, job.needs});
   slots_may_be_free_ = true;
   store_state(job, message, now);
 }
@@ -346,7 +347,7 @@ void Dispatcher::assign(Worker& worker, JobRecord job, Now now) {
   job.error.clear();
   ++job.attempts;
   if (job.started_ms == 0) job.started_ms = now.wall_ms;
-  tally_.job_waits_no_more(job.owner);
+  tally_.job_waits_no_more(job.owner, {job.kind, job.needs});
   tally_.job_runs();
   leases_.grant(job.task, job.id, job.worker, now.steady_ms);
   store_state(job, "on " + job.worker, now);
@@ -374,13 +375,25 @@ v1::ServerMessage Dispatcher::assignment_of(const JobRecord& job) {
   return message;
 }
 
+// The classes of waiting jobs that this worker can run: few, however many jobs wait.
+std::vector<QueueClass> Dispatcher::waiting_for(const Worker& worker) const {
+  const auto& kinds = worker.hello.kinds();
+  const Tags tags(worker.hello.tags().begin(), worker.hello.tags().end());
+  std::vector<QueueClass> classes;
+  for (const auto& [job_class, count] : tally_.classes())
+    if (std::find(kinds.begin(), kinds.end(), job_class.kind) != kinds.end() && fulfils(tags, job_class.needs))
+      classes.push_back(job_class);
+  return classes;
+}
+
 void Dispatcher::fill_slots(Now now) {
   if (!slots_may_be_free_) return;
   for (auto& [id, worker] : registry_.all()) {
     if (!worker.link || worker.draining) continue;
-    const std::vector<std::string> kinds(worker.hello.kinds().begin(), worker.hello.kinds().end());
-    while (tally_.waiting() > 0 && busy_slots(worker) < worker.hello.slots()) {
-      auto job = store_.next_waiting(kinds);
+    while (busy_slots(worker) < worker.hello.slots()) {
+      const std::vector<QueueClass> classes = waiting_for(worker);
+      if (classes.empty()) break;
+      auto job = store_.next_waiting(classes);
       if (!job) break;
       assign(worker, std::move(*job), now);
     }
@@ -448,6 +461,7 @@ std::vector<v1::WorkerInfo> Dispatcher::list_workers(Now now) {
     info.set_engine_version(worker.hello.engine_version());
     info.set_vector_path(worker.hello.vector_path());
     info.set_pid(worker.hello.pid());
+    *info.mutable_tags() = worker.hello.tags();
     for (const Lease& lease : leases_.of_worker(id)) info.add_tasks(job_name(lease.job));
     out.push_back(std::move(info));
   }

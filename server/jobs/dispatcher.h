@@ -85,6 +85,7 @@ class Dispatcher {
 
  private:
   std::optional<Error> queue_is_full(const Submission& submission) const;
+  std::vector<QueueClass> waiting_for(const Worker& worker) const;
   void fill_slots(Now now);
   void assign(Worker& worker, JobRecord job, Now now);
   v1::ServerMessage assignment_of(const JobRecord& job);

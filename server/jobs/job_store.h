@@ -24,11 +24,12 @@ class JobStore {
   virtual std::vector<JobRecord> list_jobs(
       const ListFilter& filter) = 0;  // newest first, no scenes
   virtual std::map<std::string, std::uint64_t> waiting_by_owner() = 0;
+  virtual std::map<QueueClass, std::uint64_t> waiting_by_class() = 0;
   virtual std::uint64_t count_running() = 0;
 
   // The waiting job to run next: by rank = submission time - 10 min per priority level, so that
-  // priorities age. Only kinds in `kinds` (empty = any).
-  virtual std::optional<JobRecord> next_waiting(const std::vector<std::string>& kinds) = 0;
+  // priorities age. Only jobs of these classes.
+  virtual std::optional<JobRecord> next_waiting(const std::vector<QueueClass>& classes) = 0;
 
   // A complete job with this key, to be reused.
   virtual std::optional<JobRecord> find_complete(const std::string& key) = 0;

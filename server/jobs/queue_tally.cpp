@@ -3,22 +3,34 @@
 #include <utility>
 
 namespace granary::server {
+namespace {
 
-void QueueTally::load(std::map<std::string, std::uint64_t> waiting_by_owner, std::uint64_t running) {
+template <typename Key>
+void take_one(std::map<Key, std::uint64_t>& counts, const Key& key) {
+  const auto found = counts.find(key);
+  if (found != counts.end() && --found->second == 0) counts.erase(found);
+}
+
+}  // namespace
+
+void QueueTally::load(std::map<std::string, std::uint64_t> waiting_by_owner,
+                      std::map<QueueClass, std::uint64_t> waiting_by_class, std::uint64_t running) {
   by_owner_ = std::move(waiting_by_owner);
+  by_class_ = std::move(waiting_by_class);
   running_ = running;
   waiting_ = 0;
   for (const auto& [owner, count] : by_owner_) waiting_ += count;
 }
 
-void QueueTally::job_waits(const std::string& owner) {
+void QueueTally::job_waits(const std::string& owner, const QueueClass& job_class) {
   ++by_owner_[owner];
+  ++by_class_[job_class];
   ++waiting_;
 }
 
-void QueueTally::job_waits_no_more(const std::string& owner) {
-  const auto found = by_owner_.find(owner);
-  if (found != by_owner_.end() && --found->second == 0) by_owner_.erase(found);
+void QueueTally::job_waits_no_more(const std::string& owner, const QueueClass& job_class) {
+  take_one(by_owner_, owner);
+  take_one(by_class_, job_class);
   --waiting_;
 }
 

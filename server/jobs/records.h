@@ -32,6 +32,7 @@ struct JobRecord {
   std::string resolved_bytes;  // v1.Scene as run
   std::string key;
   std::string filling_key;
+  std::string needs;  // worker_needs.h
   std::map<std::string, std::string> tags;
   std::int32_t priority = 0;
   std::string owner;
@@ -53,6 +54,13 @@ struct JobRecord {
   StudyId study = 0;  // 0 = submitted by itself
 };
 
+// Jobs that the same workers can run.
+struct QueueClass {
+  std::string kind;
+  std::string needs;
+  auto operator<=>(const QueueClass&) const = default;
+};
+
 struct NewJob {
   std::string kind;
   std::string scene_bytes;
@@ -60,6 +68,7 @@ struct NewJob {
   std::string key;
   std::string filling_key;  // empty: nothing to share
   bool wants_stored_filling = false;
+  std::string needs;        // worker_needs.h
   std::map<std::string, std::string> tags;
   std::int32_t priority = 0;
   std::string owner;

@@ -10,7 +10,7 @@ constexpr std::int64_t kPriorityMs = 600'000;
 const std::string kColumns =
     "id, kind, state, priority, owner, key, filling_key, submitted_ms, started_ms, ended_ms, attempts, "
     "lost_workers, engine_crashes, task, cancel_requested, worker, error, timed_out, reused, "
-    "time_limit_s, result_sha256, result_bytes, study";
+    "time_limit_s, result_sha256, result_bytes, study, needs";
 
 JobRecord read_job(SQLite::Statement& row) {
   JobRecord job;
@@ -38,6 +38,7 @@ JobRecord read_job(SQLite::Statement& row) {
   job.result_sha256 = row.getColumn(i++).getString();
   job.result_bytes = static_cast<std::uint64_t>(row.getColumn(i++).getInt64());
   job.study = row.getColumn(i++).getInt64();
+  job.needs = row.getColumn(i++).getString();
   if (row.getColumnCount() > i) {
     job.scene_bytes = row.getColumn(i++).getString();
     job.resolved_bytes = row.getColumn(i++).getString();
@@ -51,8 +52,8 @@ JobTable::JobTable(SQLite::Database& c)
     : connection_(c),
       insert_(c,
               "INSERT INTO job (kind, state, rank, priority, owner, key, scene, resolved, "
-              "submitted_ms, time_limit_s, filling_key, study) "
-              "VALUES (?, 1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"),
+              "submitted_ms, time_limit_s, filling_key, study, needs) "
+              "VALUES (?, 1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"),
       insert_tag_(c, "INSERT INTO job_tag (job, name, value) VALUES (?, ?, ?)"),
       find_(c, "SELECT " + kColumns + ", scene, resolved FROM job WHERE id = ?"),
       update_(
@@ -62,9 +63,9 @@ JobTable::JobTable(SQLite::Database& c)
           "?, "
           "reused = ?, result_sha256 = ?, result_bytes = ? WHERE id = ?"),
       erase_(c, "DELETE FROM job WHERE id = ?"),
-      waiting_(c, "SELECT " + kColumns +
-                      ", scene, resolved FROM job WHERE state = 1 AND "
-                      "(?1 = '' OR instr(?1, ',' || kind || ',')) ORDER BY rank, id LIMIT 1"),
+      waiting_(c,
+               "SELECT rank, id FROM job WHERE state = 1 AND kind = ? AND needs = ? "
+               "ORDER BY rank, id LIMIT 1"),
       complete_(
           c, "SELECT " + kColumns + " FROM job WHERE state = 3 AND key = ? AND reused = 0 LIMIT 1"),
       tags_(c, "SELECT name, value FROM job_tag WHERE job = ?") {}
@@ -82,6 +83,7 @@ JobId JobTable::insert(const NewJob& job, std::int64_t submitted_ms) {
   row->bind(9, job.time_limit_s);
   row->bind(10, job.filling_key);
   row->bind(11, job.study);
+  row->bind(12, job.needs);
   row->exec();
   const JobId id = connection_.getLastInsertRowid();
   for (const auto& [name, value] : job.tags) {
@@ -114,12 +116,19 @@ std::optional<JobRecord> JobTable::find(JobId id) {
   return one(find_, true);
 }
 
-std::optional<JobRecord> JobTable::next_waiting(const std::vector<std::string>& kinds) {
-  std::string list;
-  for (const std::string& kind : kinds) list += (list.empty() ? "," : "") + kind + ",";
-  Use row(waiting_);
-  row->bind(1, list);
-  return one(waiting_, false);
+// One look into the index per class, however many jobs of other classes wait before it.
+std::optional<JobRecord> JobTable::next_waiting(const std::vector<QueueClass>& classes) {
+  std::optional<std::pair<std::int64_t, JobId>> first;
+  for (const QueueClass& each : classes) {
+    Use row(waiting_);
+    row->bind(1, each.kind);
+    row->bind(2, each.needs);
+    if (!row->executeStep()) continue;
+    const std::pair<std::int64_t, JobId> found{row->getColumn(0).getInt64(), row->getColumn(1).getInt64()};
+    if (!first || found < *first) first = found;
+  }
+  if (!first) return {};
+  return find(first->second);
 }
 
 std::optional<JobRecord> JobTable::find_complete(const std::string& key) {
@@ -184,6 +193,15 @@ std::map<std::string, std::uint64_t> JobTable::waiting_by_owner() {
   std::map<std::string, std::uint64_t> counts;
   while (row.executeStep())
     counts[row.getColumn(0).getString()] = static_cast<std::uint64_t>(row.getColumn(1).getInt64());
+  return counts;
+}
+
+std::map<QueueClass, std::uint64_t> JobTable::waiting_by_class() {
+  SQLite::Statement row(connection_, "SELECT kind, needs, count(*) FROM job WHERE state = 1 GROUP BY kind, needs");
+  std::map<QueueClass, std::uint64_t> counts;
+  while (row.executeStep())
+    counts[{row.getColumn(0).getString(), row.getColumn(1).getString()}] =
+        static_cast<std::uint64_t>(row.getColumn(2).getInt64());
   return counts;
 }
 

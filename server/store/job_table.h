@@ -23,7 +23,8 @@ class JobTable {
   std::vector<JobRecord> list(const ListFilter& filter);
   std::map<std::string, std::uint64_t> waiting_by_owner();
   std::uint64_t count_running();
-  std::optional<JobRecord> next_waiting(const std::vector<std::string>& kinds);
+  std::map<QueueClass, std::uint64_t> waiting_by_class();
+  std::optional<JobRecord> next_waiting(const std::vector<QueueClass>& classes);
   std::optional<JobRecord> find_complete(const std::string& key);
 
  private:

@@ -223,7 +223,14 @@ constexpr const char* kValueIndex = R"sql(
 CREATE INDEX job_value_by_name ON job_value(name, job, value, error);
 )sql";
 
-constexpr std::array<const char*, 4> kMigrations = {kFirst, kResume, kStudies, kValueIndex};
+// Jobs that ask for workers with certain tags: the queue is searched class by class.
+constexpr const char* kWorkerTags = R"sql(
+ALTER TABLE job ADD COLUMN needs TEXT NOT NULL DEFAULT '';
+DROP INDEX job_queue;
+CREATE INDEX job_queue ON job(kind, needs, rank, id) WHERE state = 1;
+)sql";
+
+constexpr std::array<const char*, 5> kMigrations = {kFirst, kResume, kStudies, kValueIndex, kWorkerTags};
 
 int schema_of(SQLite::Database& connection) {
   return connection.execAndGet("PRAGMA user_version").getInt();
@@ -241,7 +248,11 @@ void migrate(SQLite::Database& connection) {
     throw std::runtime_error("the database has schema " + std::to_string(present) +
                              ", this server knows up to " + std::to_string(newest_schema()) +
                              ": use the newer granaryd");
-  for (int version = present; version < newest_schema(); ++version) {
+  migrate_to(connection, newest_schema());
+}
+
+void migrate_to(SQLite::Database& connection, int schema) {
+  for (int version = schema_of(connection); version < schema; ++version) {
     SQLite::Transaction transaction(connection);
     connection.exec(kMigrations[static_cast<std::size_t>(version)]);
     connection.exec("PRAGMA user_version = " + std::to_string(version + 1));

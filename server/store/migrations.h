@@ -10,5 +10,7 @@ int newest_schema();
 
 // Each in a transaction of its own. Throws std::runtime_error when the file is newer than we are.
 void migrate(SQLite::Database& connection);
+// As far as `schema`: how a database of an earlier release looks.
+void migrate_to(SQLite::Database& connection, int schema);
 
 }  // namespace granary::server

@@ -26,8 +26,9 @@ class SqliteJobStore : public JobStore {
     return jobs_.waiting_by_owner();
   }
   std::uint64_t count_running() override { return jobs_.count_running(); }
-  std::optional<JobRecord> next_waiting(const std::vector<std::string>& kinds) override {
-    return jobs_.next_waiting(kinds);
+  std::map<QueueClass, std::uint64_t> waiting_by_class() override { return jobs_.waiting_by_class(); }
+  std::optional<JobRecord> next_waiting(const std::vector<QueueClass>& classes) override {
+    return jobs_.next_waiting(classes);
   }
   std::optional<JobRecord> find_complete(const std::string& key) override {
     return jobs_.find_complete(key);

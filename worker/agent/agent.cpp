@@ -81,6 +81,7 @@ class Agent {
     hello.set_engine_version(kEngineVersion);
     hello.set_vector_path(config_.vector_path);
     for (const std::string& kind : config_.kinds) hello.add_kinds(kind);
+    for (const auto& [name, value] : config_.tags) (*hello.mutable_tags())[name] = value;
     hello.set_pid(::getpid());
     std::lock_guard lock(mutex_);
     for (const auto& [name, task] : tasks_) *hello.add_held() = task->held();

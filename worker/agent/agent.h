@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct AgentConfig {
   std::filesystem::path program;   // started again as the engine
   std::string vector_path;         // of the engines: "avx512", "avx2" or "portable"
   std::vector<std::string> kinds;  // of scene that the engines can run
+  std::map<std::string, std::string> tags;  // what jobs may ask for by --worker-tag
 };
 
 // Runs until SIGTERM or SIGINT, then drains: engines checkpoint, tasks go back. Returns the exit

@@ -6,6 +6,7 @@
 
 #include "proto/contract/resolve.h"
 #include "proto/contract/scene_text.h"
+#include "server/jobs/worker_needs.h"
 #include "server/store/database.h"
 #include "server/store/sqlite_job_store.h"
 
@@ -114,6 +115,31 @@ TEST_F(DispatcherTest, gives_waiting_jobs_to_free_slots_in_order) {
   finish("a", link->last_task());
   EXPECT_EQ(state(second), v1::COMPLETE);
   EXPECT_THAT(link->assigned().back(), job_name(third));
+}
+
+// However many jobs wait for a worker that is not there, the others go on.
+TEST_F(DispatcherTest, a_job_goes_only_to_a_worker_that_carries_its_tags) {
+  NewJob picky;
+  picky.kind = "discharge";
+  picky.key = "picky";
+  picky.needs = needs_text({{"room", "lab"}, {"cpu", "zen5"}});
+  ASSERT_TRUE(dispatcher.submit({{picky}, ""}, now).ok());
+  settle();
+  auto plain = connect("plain");
+  EXPECT_THAT(plain->assigned(), ElementsAre());
+  const JobId easy = submit();
+  EXPECT_THAT(plain->assigned(), ElementsAre(job_name(easy)));
+  auto tagged = std::make_shared<FakeLink>();
+  v1::WorkerHello hello;
+  hello.set_worker_id("tagged");
+  hello.set_slots(1);
+  hello.add_kinds("discharge");
+  (*hello.mutable_tags())["room"] = "lab";
+  (*hello.mutable_tags())["cpu"] = "zen5";
+  (*hello.mutable_tags())["more"] = "is fine";
+  dispatcher.worker_connected(hello, tagged, now);
+  settle();
+  EXPECT_THAT(tagged->assigned(), ElementsAre("jobs/1"));
 }
 
 TEST_F(DispatcherTest, priority_goes_first_but_ages) {
