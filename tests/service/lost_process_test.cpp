@@ -60,6 +60,25 @@ TEST_F(LostProcess, a_killed_engine_is_started_again_and_a_crash_loop_ends) {
   EXPECT_EQ(granary({"run", scene("discharge_small"), "-q"}).exit_code, 0) << "others go on";
 }
 
+// A frozen worker is what a half-open connection looks like: the stream stays, the lease ends. Thawed, it
+// still believes in its task.
+TEST_F(LostProcess, a_frozen_worker_loses_its_task_and_its_late_result_is_refused) {
+  Program& zombie = start_worker();
+  const std::string job = submit(medium_scene()).at(0);
+  ASSERT_TRUE(eventually([&] { return !children_with(zombie.pid(), "--engine").empty(); }));
+  zombie.signal(SIGSTOP);  // its engine computes on
+  start_worker();
+  ASSERT_TRUE(reaches(job, "complete"));
+  const auto before = status(job);
+  EXPECT_EQ(before["attempts"], 2);
+  zombie.signal(SIGCONT);
+  ASSERT_TRUE(zombie.prints("event=disconnected")) << zombie.err();
+  ASSERT_TRUE(eventually([&] { return children_with(zombie.pid(), "--engine").empty(); }));
+  const std::string other = submit({scene("discharge_small"), "--fresh"}).at(0);
+  ASSERT_TRUE(reaches(other, "complete")) << "it works on";
+  EXPECT_EQ(status(job), before) << "nothing of the zombie was stored";
+}
+
 TEST_F(LostProcess, a_drained_worker_hands_its_job_back) {
   Program& leaving = start_worker();
   const std::string job = submit(medium_scene()).at(0);
