@@ -18,7 +18,7 @@ Outcome backup(Context& context, const std::string& file, bool force) {
   bytes.close();
   if (!made) return made.error();
   const render::Table table{{"file", "size_bytes", "sha256"}, {{file, made->size_bytes, made->sha256}}};
-  if (auto written = context.write_listing(table, 1); !written) return written.error();
+  if (auto written = context.write_listing(table, 0); !written) return written.error();
   return ExitCode::ok;
 }
 
