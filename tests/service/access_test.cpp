@@ -87,10 +87,10 @@ TEST_F(AccessService, tls_carries_the_whole_main_job_and_plain_text_gets_nothing
                                     .environment = {}, .input = "", .on_terminal = false});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   const std::string admin = new_token("admin");
-  address = "localhost:0";
+  address = "127.0.0.1:0";
   start_guarded({"--tls-cert", certificate, "--tls-key", key});
   const std::string said = server->out();
-  address = said.substr(said.find("localhost:"), said.find('\n') - said.find("localhost:"));
+  address = said.substr(said.find("127.0.0.1:"), said.find('\n') - said.find("127.0.0.1:"));
   EXPECT_EQ(with_token(admin, {"ls"}).exit_code, 4) << "plain text to a TLS port";
   ASSERT_TRUE(worker_with(admin, {"--tls-ca", certificate}).prints("event=connected")) << workers.back()->err();
   const Outputs ran = with_token(admin, {"run", scene("discharge_small"), "--format", "json", "--tls-ca", certificate});
