@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "client/commands/catalogue.h"
+#include "client/commands/query_rows.h"
 #include "client/commands/study_request.h"
 
 namespace granary::commands {

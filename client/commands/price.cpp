@@ -6,6 +6,7 @@
 #include <map>
 
 #include "client/commands/catalogue.h"
+#include "client/commands/query_rows.h"
 #include "client/commands/study_request.h"
 #include "client/render/price_plot.h"
 

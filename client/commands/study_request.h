@@ -1,4 +1,4 @@
-// What price and ablate share: one scene into the request for a study, and rows of a view.
+// What price and ablate share: one scene into the request for a study, and following it to its end.
 #pragma once
 
 #include <string>
@@ -12,9 +12,6 @@ namespace granary::commands {
 // The scene of `options` with tags, priority, time limit and freshness; the kind is left to the
 // caller.
 Result<v1::SubmitStudyRequest> study_request(Context& context, const SubmissionOptions& options);
-
-// Rows of a read-only query.
-Result<render::Table> query_rows(Context& context, const std::string& sql);
 
 // Submits, follows to the end, progress on stderr; the study as it ended, or nothing after Ctrl-C.
 Result<std::optional<v1::Study>> run_study(Context& context, v1::SubmitStudyRequest request);

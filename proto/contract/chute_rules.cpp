@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
+
+#include "proto/contract/rule_text.h"
 
 namespace granary {
 namespace {
@@ -16,16 +17,6 @@ constexpr double kDeepestImpact = 0.5;
 constexpr double kLatticeSolidFraction = 0.68017;  // touching bcc, pi sqrt(3) / 8
 constexpr int kMaxClasses = 8;                     // the engine's tables of pairs
 constexpr int kMaxWalls = 64;
-
-Error refuse(const std::string& path, const std::string& what) {
-  return {ErrorCode::invalid_argument, path + ": " + what, path};
-}
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
 
 std::optional<Error> check_available(const v1::Chute& chute) {
   if (chute.inlet().feed() == v1::Inlet::HOPPER)

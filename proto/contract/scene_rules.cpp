@@ -8,7 +8,10 @@
 #include <unordered_map>
 #include <vector>
 
+#include "proto/contract/discharge_rules.h"
 #include "proto/contract/field_path.h"
+#include "proto/contract/placement_rules.h"
+#include "proto/contract/rule_text.h"
 
 namespace granary {
 namespace {
@@ -171,22 +174,12 @@ constexpr FieldRule kRules[] = {
     {"chute.cohesion_bond", defaulted, 0, 0, 1e6, false, "cohesive force / weight"},
 };
 
-Error bad(const std::string& path, const std::string& what) {
-  return {ErrorCode::invalid_argument, path + ": " + what, path};
-}
-
-std::string number(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.6g", value);
-  return buffer;
-}
-
 std::optional<Error> check_value(const std::string& path, const Message& message,
                                  const FieldDescriptor& field, int index) {
   if (field.cpp_type() == FieldDescriptor::CPPTYPE_ENUM) {
     const int value = message.GetReflection()->GetEnumValue(message, &field);
     if (field.enum_type()->FindValueByNumber(value)) return {};
-    return bad(path, "has no option number " + std::to_string(value));
+    return refuse(path, "has no option number " + std::to_string(value));
   }
   if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING ||
       field.cpp_type() == FieldDescriptor::CPPTYPE_BOOL)
@@ -195,14 +188,14 @@ std::optional<Error> check_value(const std::string& path, const Message& message
   const double value = scalar_number(message, field, index);
   const std::string text = scalar_text(message, field, index);
   if (!std::isfinite(value)) {
-    return bad(path, "= " + text + " is not a finite number" +
-                         (rule ? ", must be " + range_text(*rule) : ""));
+    return refuse(path, "= " + text + " is not a finite number" +
+                            (rule ? ", must be " + range_text(*rule) : ""));
   }
   if (!rule) return {};
   const bool low = rule->open_minimum ? value <= rule->minimum : value < rule->minimum;
   if (low || value > rule->maximum)
-    return bad(path, "= " + text + " is out of range, must be " + range_text(*rule) + " (" +
-                         std::string(rule->meaning) + ")");
+    return refuse(path, "= " + text + " is out of range, must be " + range_text(*rule) + " (" +
+                            std::string(rule->meaning) + ")");
   return {};
 }
 
@@ -238,148 +231,10 @@ std::optional<Error> check_required(const Message& message, const std::string& p
     const FieldRule* rule = find_rule(path_pattern(path));
     if (rule && rule->presence == Presence::required &&
         !message.GetReflection()->HasField(message, field))
-      return bad(path, "is missing, must be " + range_text(*rule) + " (" +
-                           std::string(rule->meaning) + ")");
+      return refuse(path, "is missing, must be " + range_text(*rule) + " (" +
+                              std::string(rule->meaning) + ")");
   }
   return {};
-}
-
-// ---- rules between fields, placed bodies
-
-// Deeper overlaps of bodies placed by hand are no contacts: their energy would throw the bodies
-// out.
-constexpr double kDeepestPlacement = 0.5;  // radii of the smaller one
-
-struct Placed {
-  std::array<double, 3> centre;
-  double radius;
-  int index;
-};
-
-double overlap_in_radii(const Placed& a, const Placed& b) {
-  const double distance =
-      std::hypot(a.centre[0] - b.centre[0], a.centre[1] - b.centre[1], a.centre[2] - b.centre[2]);
-  return (a.radius + b.radius - distance) / std::min(a.radius, b.radius);
-}
-
-// Sorted along x, a body is compared with those whose left end lies before its right end.
-std::optional<Error> check_placement(const std::string& list, std::vector<Placed> bodies) {
-  const auto left = [](const Placed& body) { return body.centre[0] - body.radius; };
-  std::sort(bodies.begin(), bodies.end(),
-            [&](const Placed& a, const Placed& b) { return left(a) < left(b); });
-  for (std::size_t a = 0; a < bodies.size(); ++a)
-    for (std::size_t b = a + 1;
-         b < bodies.size() && left(bodies[b]) < bodies[a].centre[0] + bodies[a].radius; ++b) {
-      const double overlap = overlap_in_radii(bodies[a], bodies[b]);
-      if (overlap <= kDeepestPlacement) continue;
-      const auto [low, high] = std::minmax(bodies[a].index, bodies[b].index);
-      return bad(list + "[" + std::to_string(high) + "]",
-                 "overlaps " + list + "[" + std::to_string(low) + "] by " + number(overlap) +
-                     " radii of the smaller, must be <= " + number(kDeepestPlacement));
-    }
-  return {};
-}
-
-std::optional<Error> check_discs(const v1::Discharge& discharge) {
-  std::vector<Placed> bodies;
-  for (int k = 0; k < discharge.discs_size(); ++k) {
-    const v1::Disc& disc = discharge.discs(k);
-    bodies.push_back({{disc.x_m(), disc.y_m(), 0}, disc.diameter_m() / 2, k});
-  }
-  return check_placement("discharge.discs", std::move(bodies));
-}
-
-std::optional<Error> check_beads(const v1::Chute& chute) {
-  std::vector<Placed> bodies;
-  for (int k = 0; k < chute.beads_size(); ++k) {
-    const v1::Bead& bead = chute.beads(k);
-    const auto& particle = chute.particles(static_cast<int>(bead.particle_class()));
-    bodies.push_back({{bead.x_m(), bead.y_m(), bead.z_m()}, particle.diameter_m() / 2, k});
-  }
-  return check_placement("chute.beads", std::move(bodies));
-}
-
-// ---- rules between fields, discharge
-
-// Horizontal clearance of the bucket mouth: a disk that does not fit in can never be filled in.
-std::optional<double> mouth_width(const v1::Bucket& bucket) {
-  const double tip_y = bucket.has_tip_y_m() ? bucket.tip_y_m() : 0.4;
-  if (bucket.shape() == v1::Bucket::POLYLINE) {
-    if (bucket.points_size() < 2) return {};
-    return -bucket.points(bucket.points_size() - 1).x_m();
-  }
-  if (bucket.has_opening_angle_deg())
-    return tip_y * std::tan(bucket.opening_angle_deg() * M_PI / 180);
-  return bucket.has_tip_x_m() ? -bucket.tip_x_m() : 0.4;
-}
-
-std::optional<Error> check_bucket(const v1::Discharge& discharge, double largest) {
-  const v1::Bucket& bucket = discharge.bucket();
-  if (bucket.shape() == v1::Bucket::POLYLINE && bucket.points_size() < 2)
-    return bad("discharge.bucket.points", "needs at least 2 points for shape POLYLINE");
-  if (bucket.shape() == v1::Bucket::BEZIER)
-    for (const auto& [name, there] :
-         {std::pair{"x2_m", bucket.has_x2_m()}, std::pair{"x3_m", bucket.has_x3_m()},
-          std::pair{"x4_m", bucket.has_x4_m()}})
-      if (!there)
-        return bad(std::string("discharge.bucket.") + name, "is missing, shape BEZIER needs it");
-  const auto width = mouth_width(bucket);
-  const double covered = bucket.deflector_m() * std::sin(bucket.deflector_angle_deg() * M_PI / 180);
-  if (width && covered > 0 && *width - covered < 1.5 * largest)
-    return bad("discharge.bucket.deflector_m", "covers " + number(covered) + " m of a mouth of " +
-                                                   number(*width) +
-                                                   " m, must leave >= " + number(1.5 * largest) +
-                                                   " m (1.5 diameters of the largest disk)");
-  const char* field = bucket.shape() == v1::Bucket::POLYLINE ? "discharge.bucket.points"
-                      : bucket.has_opening_angle_deg()       ? "discharge.bucket.opening_angle_deg"
-                                                             : "discharge.bucket.tip_x_m";
-  if (width && *width < 1.5 * largest)
-    return bad(field, "makes a mouth of " + number(*width) +
-                          " m, must be >= " + number(1.5 * largest) +
-                          " m (1.5 diameters of the largest disk, " + number(largest) + " m)");
-  return {};
-}
-
-std::optional<Error> check_discharge(const v1::Discharge& discharge) {
-  const bool placed = discharge.filling() == v1::Discharge::EXPLICIT;
-  if (placed && discharge.discs_size() == 0)
-    return bad("discharge.discs", "is empty, filling EXPLICIT needs at least one");
-  if (placed)
-    if (auto error = check_discs(discharge)) return error;
-  if (!placed && discharge.no_bucket())
-    return bad("discharge.no_bucket",
-               "needs filling EXPLICIT: without a bucket there is nothing to fill");
-  const auto& particles = discharge.particles();
-  const double smallest = particles.diameter_min_m();
-  const double largest = particles.has_diameter_max_m() ? particles.diameter_max_m() : smallest;
-  if (!placed && largest < smallest)
-    return bad("discharge.particles.diameter_max_m",
-               "= " + number(largest) +
-                   " is out of range, must be >= diameter_min_m = " + number(smallest));
-  if (discharge.has_rotation_rad_per_s() && discharge.has_rademacher_ka())
-    return bad("discharge.rademacher_ka", "stands beside rotation_rad_per_s, give one of them");
-  if (!discharge.has_rotation_rad_per_s() && !discharge.has_rademacher_ka() &&
-      !discharge.has_duration_s())
-    return bad("discharge.rotation_rad_per_s",
-               "is missing, must be >= 0 and <= 500 (or give rademacher_ka, or duration_s for a "
-               "bucket at rest)");
-  if (discharge.has_rotation_rad_per_s() && discharge.rotation_rad_per_s() == 0 &&
-      !discharge.has_duration_s())
-    return bad("discharge.duration_s",
-               "is missing: with rotation_rad_per_s = 0 the end angle is never reached");
-  if (discharge.filling() == v1::Discharge::STORED && discharge.stored_filling().empty())
-    return bad("discharge.stored_filling",
-               "is missing, filling STORED needs the job it comes from");
-  if (discharge.filling() != v1::Discharge::STORED && discharge.has_stored_filling())
-    return bad("discharge.stored_filling",
-               "= " + discharge.stored_filling() + " stands without discharge.filling: STORED");
-  if (discharge.target_size() == 1 || discharge.target_size() == 2)
-    return bad("discharge.target", "needs at least 3 points to enclose an opening");
-  for (int i = 0; i < discharge.walls_size(); ++i)
-    if (discharge.walls(i).points_size() < 2)
-      return bad("discharge.walls[" + std::to_string(i) + "].points", "needs at least 2 points");
-  if (discharge.no_bucket()) return {};
-  return check_bucket(discharge, placed ? 0 : largest);
 }
 
 // Filling EXPLICIT brings its own disks: only the density of `particles` is asked for.
@@ -394,20 +249,30 @@ std::optional<Error> check_discharge_required(const v1::Discharge& discharge) {
 
 // ---- rules between fields, chute
 
+std::optional<Error> check_beads(const v1::Chute& chute) {
+  std::vector<Placed> bodies;
+  for (int k = 0; k < chute.beads_size(); ++k) {
+    const v1::Bead& bead = chute.beads(k);
+    const auto& particle = chute.particles(static_cast<int>(bead.particle_class()));
+    bodies.push_back({{bead.x_m(), bead.y_m(), bead.z_m()}, particle.diameter_m() / 2, k});
+  }
+  return check_placement("chute.beads", std::move(bodies));
+}
+
 std::optional<Error> check_inlet(const v1::Chute& chute, double smallest) {
   const v1::Inlet& inlet = chute.inlet();
   if (inlet.feed() == v1::Inlet::NONE) return {};
   if (chute.beads_size() > 0 && !chute.has_inlet()) return {};
   if (!inlet.has_mass_flow_kg_per_s())
-    return bad("chute.inlet.mass_flow_kg_per_s",
-               "is missing, must be > 0 and <= 100000 (or feed: NONE)");
+    return refuse("chute.inlet.mass_flow_kg_per_s",
+                  "is missing, must be > 0 and <= 100000 (or feed: NONE)");
   if (!inlet.has_sluice_height_m())
-    return bad("chute.inlet.sluice_height_m",
-               "is missing, must be > 0 and <= 10 (height of the feed)");
+    return refuse("chute.inlet.sluice_height_m",
+                  "is missing, must be > 0 and <= 10 (height of the feed)");
   if (inlet.sluice_height_m() < smallest)
-    return bad("chute.inlet.sluice_height_m",
-               "= " + number(inlet.sluice_height_m()) +
-                   " is out of range, must be >= " + number(smallest) + " (one diameter)");
+    return refuse("chute.inlet.sluice_height_m",
+                  "= " + number(inlet.sluice_height_m()) +
+                      " is out of range, must be >= " + number(smallest) + " (one diameter)");
   return {};
 }
 
@@ -419,35 +284,35 @@ std::optional<Error> check_size_ratio(const v1::Chute& chute) {
     fractions += particle.has_mass_fraction() ? particle.mass_fraction() : 1;
   }
   if (largest > 50 * smallest)
-    return bad("chute.particles",
-               "spans a size ratio of 1:" + number(largest / smallest) + ", must be within 1:50");
+    return refuse("chute.particles", "spans a size ratio of 1:" + number(largest / smallest) +
+                                         ", must be within 1:50");
   if (chute.particles_size() > 1 && std::abs(fractions - 1) > 1e-6)
-    return bad("chute.particles",
-               "has mass fractions that sum to " + number(fractions) + ", must be 1");
+    return refuse("chute.particles",
+                  "has mass fractions that sum to " + number(fractions) + ", must be 1");
   return check_inlet(chute, largest);
 }
 
 std::optional<Error> check_chute(const v1::Chute& chute) {
   if (chute.particles_size() == 0)
-    return bad("chute.particles", "is empty, needs at least one size class");
+    return refuse("chute.particles", "is empty, needs at least one size class");
   for (int i = 0; i < chute.beads_size(); ++i)
     if (static_cast<int>(chute.beads(i).particle_class()) >= chute.particles_size())
-      return bad("chute.beads[" + std::to_string(i) + "].particle_class",
-                 "names a class that is not in chute.particles");
+      return refuse("chute.beads[" + std::to_string(i) + "].particle_class",
+                    "names a class that is not in chute.particles");
   if (auto error = check_beads(chute)) return error;
   for (int i = 0; i < chute.planes_size(); ++i)
     if (chute.planes(i).point_m_size() != 3 || chute.planes(i).normal_size() != 3)
-      return bad("chute.planes[" + std::to_string(i) + "]",
-                 "needs 3 numbers in point_m and in normal");
+      return refuse("chute.planes[" + std::to_string(i) + "]",
+                    "needs 3 numbers in point_m and in normal");
   for (int i = 0; i < chute.triangles_size(); ++i)
     if (chute.triangles(i).vertices_m_size() != 9)
-      return bad("chute.triangles[" + std::to_string(i) + "].vertices_m", "needs 9 numbers");
+      return refuse("chute.triangles[" + std::to_string(i) + "].vertices_m", "needs 9 numbers");
   if (chute.gas().grid_size() != 0 && chute.gas().grid_size() != 3)
-    return bad("chute.gas.grid", "needs 3 numbers: cells along x, y, z");
+    return refuse("chute.gas.grid", "needs 3 numbers: cells along x, y, z");
   if (chute.has_sample_start_s() && chute.sample_start_s() >= chute.duration_s())
-    return bad("chute.sample_start_s",
-               "= " + number(chute.sample_start_s()) +
-                   " is out of range, must be < duration_s = " + number(chute.duration_s()));
+    return refuse("chute.sample_start_s",
+                  "= " + number(chute.sample_start_s()) +
+                      " is out of range, must be < duration_s = " + number(chute.duration_s()));
   return check_size_ratio(chute);
 }
 
@@ -487,14 +352,16 @@ Status validate_scene(const v1::Scene& scene) {
   if (auto error = check_values(scene)) return *error;
   if (scene.has_accuracy() && scene.accuracy().has_target() &&
       scene.accuracy().observable().empty())
-    return bad("accuracy.observable", "is missing: the target needs a key of `values`, e.g. f1_m");
+    return refuse("accuracy.observable",
+                  "is missing: the target needs a key of `values`, e.g. f1_m");
   if (scene.has_discharge()) {
     if (auto error = check_discharge_required(scene.discharge())) return *error;
     if (auto error = check_discharge(scene.discharge())) return *error;
     if (scene.discharge().filling() == v1::Discharge::STORED && scene.replicates() > 1)
-      return bad("replicates", "= " + std::to_string(scene.replicates()) +
-                                   " is out of range, must be 1 with filling STORED: one filling, "
-                                   "one run");
+      return refuse("replicates",
+                    "= " + std::to_string(scene.replicates()) +
+                        " is out of range, must be 1 with filling STORED: one filling, "
+                        "one run");
     return Done{};
   }
   if (scene.has_chute()) {
@@ -502,7 +369,7 @@ Status validate_scene(const v1::Scene& scene) {
     if (auto error = check_chute(scene.chute())) return *error;
     return Done{};
   }
-  return bad("kind", "is missing: a scene holds either discharge {...} or chute {...}");
+  return refuse("kind", "is missing: a scene holds either discharge {...} or chute {...}");
 }
 
 }  // namespace granary

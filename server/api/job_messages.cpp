@@ -4,15 +4,6 @@
 #include "server/jobs/worker_needs.h"
 
 namespace granary::server {
-namespace {
-
-void put_time(std::int64_t ms, google::protobuf::Timestamp* time) {
-  time->set_seconds(ms / 1000);
-  time->set_nanos(static_cast<std::int32_t>(ms % 1000) * 1'000'000);
-}
-
-}  // namespace
-
 v1::Job to_message(const JobRecord& job) {
   v1::Job message;
   message.set_name(job_name(job.id));

@@ -4,8 +4,9 @@
 #include <utility>
 
 #include "proto/contract/job_state.h"
-#include "server/jobs/worker_needs.h"
+#include "server/jobs/messages.h"
 #include "server/jobs/stored_filling.h"
+#include "server/jobs/worker_needs.h"
 
 namespace granary::server {
 namespace {
@@ -15,31 +16,6 @@ constexpr int kQueueMovesOnMs = 2000;
 
 Error not_found(JobId id) {
   return {ErrorCode::not_found, "no job " + job_name(id), "name"};
-}
-
-v1::JobEvent to_event(const EventRecord& record) {
-  v1::JobEvent event;
-  event.set_sequence(record.sequence);
-  event.mutable_time()->set_seconds(record.time_ms / 1000);
-  event.mutable_time()->set_nanos(static_cast<std::int32_t>(record.time_ms % 1000) * 1'000'000);
-  event.set_state(record.state);
-  event.set_message(record.message);
-  return event;
-}
-
-v1::Artifact to_artifact(const StoredArtifact& stored) {
-  v1::Artifact artifact;
-  artifact.set_sha256(stored.sha256);
-  artifact.set_size_bytes(stored.size_bytes);
-  return artifact;
-}
-
-StoredArtifact to_stored(const v1::Artifact& artifact) {
-  return {artifact.sha256(), artifact.size_bytes()};
-}
-
-std::string_view state_text(const Worker& worker) {
-  return !worker.link ? "lost" : worker.draining ? "draining" : "connected";
 }
 
 // It becomes a file of that name on another worker: nothing that could leave its folder.
@@ -154,10 +130,7 @@ Result<JobRecord> Dispatcher::cancel(JobId id, Now now) {
   } else if (job->state == v1::RUNNING) {
     job->cancel_requested = true;
     store_.update_job(*job);
-    v1::ServerMessage message;
-    message.mutable_cancel()->set_task(task_name(job->task));
-    message.mutable_cancel()->set_reason("cancelled");
-    send(job->worker, std::move(message));
+    send(job->worker, cancel_message(job->task, "cancelled"));
   }
   return *job;
 }
@@ -220,10 +193,7 @@ void Dispatcher::worker_connected(const v1::WorkerHello& hello, std::shared_ptr<
   if (auto old = registry_.connect(hello, std::move(link), now.steady_ms))
     effects_.push_back([old = std::move(old)] { old->close(); });
   record_worker(hello.worker_id(), now);
-  v1::ServerMessage welcome;
-  welcome.mutable_welcome()->set_heartbeat_s(kHeartbeatMs / 1000.0);
-  welcome.mutable_welcome()->set_lease_s(kLeaseMs / 1000.0);
-  send(hello.worker_id(), std::move(welcome));
+  send(hello.worker_id(), welcome_message());
   std::vector<TaskId> held;
   for (const v1::HeldTask& task : hello.held()) {
     const auto id = task_id_from(task.task());
@@ -275,8 +245,7 @@ void Dispatcher::task_progress(const std::string& worker_id, const v1::TaskProgr
   const JobId job = leases_.find(*task)->job;
   v1::JobEvent event;
   event.set_sequence(next_sequence());
-  event.mutable_time()->set_seconds(now.wall_ms / 1000);
-  event.mutable_time()->set_nanos(static_cast<std::int32_t>(now.wall_ms % 1000) * 1'000'000);
+  put_time(now.wall_ms, event.mutable_time());
   *event.mutable_progress() = message.progress();
   hub_.set_progress(job, event);
   hub_.publish(job, event);
@@ -355,24 +324,9 @@ void Dispatcher::assign(Worker& worker, JobRecord job, Now now) {
 }
 
 v1::ServerMessage Dispatcher::assignment_of(const JobRecord& job) {
-  v1::ServerMessage message;
-  v1::TaskAssignment& task = *message.mutable_assign();
-  task.set_task(task_name(job.task));
-  task.set_fencing_token(static_cast<std::uint64_t>(job.task));
-  task.set_job(job_name(job.id));
-  task.mutable_scene()->ParseFromString(job.scene_bytes);
-  task.set_time_limit_s(job.time_limit_s);
-  task.set_attempt(job.attempts);
-  for (const ResumeFileRecord& file : store_.resume_files(job.id)) {
-    v1::ResumeFile& resume = *task.add_resume_files();
-    resume.set_name(file.name);
-    *resume.mutable_artifact() = to_artifact(file.artifact);
-  }
-  task.set_filling_key(job.filling_key);
-  if (!job.filling_key.empty())
-    if (const auto filling = store_.find_filling(job.filling_key))
-      *task.mutable_filling() = to_artifact(*filling);
-  return message;
+  return assignment_message(
+      job, store_.resume_files(job.id),
+      job.filling_key.empty() ? std::nullopt : store_.find_filling(job.filling_key));
 }
 
 // The classes of waiting jobs that this worker can run: few, however many jobs wait.
@@ -425,8 +379,7 @@ void Dispatcher::tick(Now now) {
       leases_.end(lease.task);
     drop(lease.worker, lease.task);
     // Silent for a whole lease: a stream that still looks open leads nowhere.
-    if (Worker* worker = registry_.find(lease.worker); worker && worker->link)
-    {
+    if (Worker* worker = registry_.find(lease.worker); worker && worker->link) {
       effects_.push_back([link = std::exchange(worker->link, nullptr)] { link->close(); });
       record_worker(lease.worker, now);
     }
@@ -440,28 +393,15 @@ bool Dispatcher::idle() const {
 }
 
 void Dispatcher::record_worker(const std::string& worker_id, Now now) {
-  const Worker* worker = registry_.find(worker_id);
-  if (!worker) return;
-  const v1::WorkerHello& hello = worker->hello;
-  store_.put_worker({worker_id, hello.host(), hello.pid(), hello.slots(),
-                     std::string(state_text(*worker)), hello.engine_version(), hello.vector_path(),
-                     now.wall_ms});
+  if (const Worker* worker = registry_.find(worker_id))
+    store_.put_worker(worker_record(worker_id, *worker, now));
 }
 
 std::vector<v1::WorkerInfo> Dispatcher::list_workers(Now now) {
   std::vector<v1::WorkerInfo> out;
   for (const auto& [id, worker] : registry_.all()) {
-    v1::WorkerInfo info;
-    info.set_worker_id(id);
-    info.set_host(worker.hello.host());
-    info.set_slots(worker.hello.slots());
+    v1::WorkerInfo info = worker_info(id, worker, now);
     info.set_busy(busy_slots(worker));
-    info.set_state(std::string(state_text(worker)));
-    info.set_seconds_since_seen(static_cast<double>(now.steady_ms - worker.seen_ms) / 1000.0);
-    info.set_engine_version(worker.hello.engine_version());
-    info.set_vector_path(worker.hello.vector_path());
-    info.set_pid(worker.hello.pid());
-    *info.mutable_tags() = worker.hello.tags();
     for (const Lease& lease : leases_.of_worker(id)) info.add_tasks(job_name(lease.job));
     out.push_back(std::move(info));
   }
@@ -489,15 +429,11 @@ void Dispatcher::send(const std::string& worker_id, v1::ServerMessage message) {
 }
 
 void Dispatcher::drop(const std::string& worker_id, TaskId task) {
-  v1::ServerMessage message;
-  message.mutable_drop()->set_task(task_name(task));
-  send(worker_id, std::move(message));
+  send(worker_id, drop_message(task));
 }
 
 void Dispatcher::acknowledge(const std::string& worker_id, TaskId task) {
-  v1::ServerMessage message;
-  message.mutable_acknowledged()->set_task(task_name(task));
-  send(worker_id, std::move(message));
+  send(worker_id, acknowledged_message(task));
 }
 
 }  // namespace granary::server

@@ -16,6 +16,11 @@ std::optional<std::int64_t> id_after(const std::string& name, std::string_view p
 
 }  // namespace
 
+void put_time(std::int64_t wall_ms, google::protobuf::Timestamp* time) {
+  time->set_seconds(wall_ms / 1000);
+  time->set_nanos(static_cast<std::int32_t>(wall_ms % 1000) * 1'000'000);
+}
+
 std::string study_name(StudyId id) {
   return "studies/" + std::to_string(id);
 }

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <google/protobuf/timestamp.pb.h>
+
 #include "granary/v1/job.pb.h"
 #include "granary/v1/result.pb.h"
 #include "granary/v1/worker.pb.h"
@@ -120,6 +122,8 @@ struct ListFilter {
   JobId before = 0;  // 0 = from the newest
   std::uint32_t limit = 100;
 };
+
+void put_time(std::int64_t wall_ms, google::protobuf::Timestamp* time);
 
 std::string study_name(StudyId id);
 std::optional<StudyId> study_id_from(const std::string& name);  // "studies/3"

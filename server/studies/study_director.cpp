@@ -28,11 +28,6 @@ bool has_ended(const StudyRecord& study) {
   return study.state != v1::Study::RUNNING && study.state != v1::Study::PAUSED;
 }
 
-void put_time(std::int64_t ms, google::protobuf::Timestamp* time) {
-  time->set_seconds(ms / 1000);
-  time->set_nanos(static_cast<std::int32_t>(ms % 1000) * 1'000'000);
-}
-
 std::string json_of(const std::map<std::string, std::string>& inputs) {
   return nlohmann::json(inputs).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -1,26 +1,10 @@
 // Any bytes as a scene: refused with one line, or a scene that survives being written and read again.
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <string_view>
 
 #include "proto/contract/resolve.h"
 #include "proto/contract/scene_text.h"
-
-namespace {
-
-void require(bool holds, const char* what) {
-  if (holds) return;
-  std::fprintf(stderr, "broken: %s\n", what);
-  std::abort();
-}
-
-void require_one_line(const granary::Error& error) {
-  require(!error.message.empty(), "an error says something");
-  require(error.message.find('\n') == std::string::npos, "an error is one line");
-}
-
-}  // namespace
+#include "tests/fuzz/require.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);

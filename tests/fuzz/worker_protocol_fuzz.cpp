@@ -2,25 +2,18 @@
 // database in memory. Whatever comes: each job ends at most once, a running job has one open task, and
 // what the queue counts is what the database holds.
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <string>
 
 #include "server/jobs/dispatcher.h"
 #include "server/store/database.h"
 #include "server/store/sqlite_job_store.h"
+#include "tests/fuzz/require.h"
 
 namespace {
 
 using namespace granary;
 using namespace granary::server;
-
-void require(bool holds, const char* what) {
-  if (holds) return;
-  std::fprintf(stderr, "broken: %s\n", what);
-  std::abort();
-}
 
 class DeafLink : public WorkerLink {
  public:

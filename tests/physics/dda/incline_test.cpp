@@ -12,26 +12,11 @@
 namespace granary::dda {
 namespace {
 
-struct Downhill {
-  double acceleration, spin_acceleration;  // m/s2; the second at the surface
-};
-
 Downhill measure(double slope_deg) {
-  const double angle = radians(slope_deg), radius = 0.002;
   System system;
-  system.time_step = 1e-3;
   system.contact.friction_walls = std::tan(radians(10));
   system.solver.tolerance = 1e-12;
-  add_plane(system, angle, 2);
-  add_disk(system, {-radius * std::sin(angle), radius * std::cos(angle)}, radius, 1000);
-  reset_contacts(system);
-  run(system, 0.1);
-  const DiskMotion early = system.disks.motion[0];
-  run(system, 0.2);
-  const DiskMotion late = system.disks.motion[0];
-  const Vec2 gain{late.vx - early.vx, late.vy - early.vy};
-  return {-dot(gain, {std::cos(angle), std::sin(angle)}) / 0.2,
-          (late.surface_speed - early.surface_speed) / 0.2};
+  return roll_down(system, slope_deg);
 }
 
 TEST(Incline, disk_rolls_below_the_slip_boundary) {

@@ -32,4 +32,25 @@ inline void run(System& system, double duration) {
   for (long k = 0; k < steps; ++k) step(system);
 }
 
+struct Downhill {
+  double acceleration, spin_acceleration;  // m/s2; the second at the surface
+};
+
+// A disk of 2 mm let go on a plane rising to +x: its motion over 0.2 s once its contact has
+// settled.
+inline Downhill roll_down(System& system, double slope_deg) {
+  const double angle = radians(slope_deg), radius = 0.002;
+  system.time_step = 1e-3;
+  add_plane(system, angle, 2);
+  add_disk(system, {-radius * std::sin(angle), radius * std::cos(angle)}, radius, 1000);
+  reset_contacts(system);
+  run(system, 0.1);
+  const DiskMotion early = system.disks.motion[0];
+  run(system, 0.2);
+  const DiskMotion late = system.disks.motion[0];
+  const Vec2 gain{late.vx - early.vx, late.vy - early.vy};
+  return {-dot(gain, {std::cos(angle), std::sin(angle)}) / 0.2,
+          (late.surface_speed - early.surface_speed) / 0.2};
+}
+
 }  // namespace granary::dda
