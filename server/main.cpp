@@ -75,6 +75,13 @@ int main(int argc, char** argv) {
          "--keep-free-mb", [&config](std::uint64_t megabytes) { config.kept_free_bytes = megabytes << 20; },
          "accept nothing new when less is free on the disk of --data")
       ->default_str("200");
+  app.add_option("--keep-days", config.keep_days,
+                 "remove jobs and their files this many days after they ended, but for those "
+                 "tagged keep; 0 = never")
+      ->check(CLI::Range(0, 36500));
+  app.add_option(
+      "--audit-reuse", config.audit_one_in,
+      "compute one in so many reused results again, at the lowest priority, and compare; 0 = none");
   app.add_option("--metrics", config.metrics, "serve metrics (Prometheus text) on this loopback HOST:PORT; 0 = any port");
   app.add_option("--max-jobs-per-s", config.max_jobs_per_s, "submissions one owner may send, ten seconds of it at once")
       ->capture_default_str()

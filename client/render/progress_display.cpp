@@ -41,7 +41,9 @@ void ProgressDisplay::show_state(v1::JobState state, const std::string& message)
     v1::Progress all;
     all.set_fraction(1);
     erase();
-    out_ << job_ << ": " << progress_line(all) << "  complete\n" << std::flush;
+    out_ << job_ << ": " << progress_line(all) << "  complete";
+    if (!message.empty()) out_ << ": " << printable(message);
+    out_ << "\n" << std::flush;
     return;
   }
   erase();

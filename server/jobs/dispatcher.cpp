@@ -18,6 +18,28 @@ Error not_found(JobId id) {
   return {ErrorCode::not_found, "no job " + job_name(id), "name"};
 }
 
+constexpr const char* kAuditTag = "audit_of";
+
+// Computed from nothing: not from the filling that the stored result came from, if that can be had
+// anew.
+NewJob audit_of(const NewJob& job, JobId stored) {
+  NewJob audit = job;
+  audit.fresh = true;
+  audit.owner = kAuditOwner;
+  audit.priority = -100;
+  audit.tags = {{kAuditTag, job_name(stored)}};
+  audit.study = 0;
+  if (!job.wants_stored_filling) audit.filling_key.clear();
+  return audit;
+}
+
+// The key leaves out what a result file holds besides the physics.
+bool same_output(const std::string& resolved, const std::string& stored) {
+  v1::Scene asked, had;
+  if (!asked.ParseFromString(resolved) || !had.ParseFromString(stored)) return true;
+  return asked.output().SerializeAsString() == had.output().SerializeAsString();
+}
+
 // It becomes a file of that name on another worker: nothing that could leave its folder.
 bool is_plain_file_name(const std::string& name) {
   return !name.empty() && name.size() <= 64 && name[0] != '.' &&
@@ -37,6 +59,7 @@ void Dispatcher::reload(Now now) {
   leases_.clear();
   for (const TaskRecord& task : store_.open_tasks())
     leases_.grant(task.id, task.job, task.worker, now.steady_ms);
+  audits_.clear();
   tally_.load(store_.waiting_by_owner(), store_.waiting_by_class(), store_.count_running());
   effects_.clear();
   studies_to_advance_.clear();
@@ -54,17 +77,46 @@ JobId Dispatcher::insert(const NewJob& job, Now now) {
     store_.append_event(id, {next_sequence(), now.wall_ms, v1::WAITING, ""});
     return id;
   }
+  answer_from_store(id, job, *stored, now);
+  return id;
+}
+
+void Dispatcher::answer_from_store(JobId id, const NewJob& job, const JobRecord& stored, Now now) {
   JobRecord record = *store_.find_job(id);
   record.state = v1::COMPLETE;
   record.reused = true;
   record.started_ms = record.ended_ms = now.wall_ms;
-  record.result_sha256 = stored->result_sha256;
-  record.result_bytes = stored->result_bytes;
-  store_.share_result(stored->id, id);
+  record.result_sha256 = stored.result_sha256;
+  record.result_bytes = stored.result_bytes;
+  store_.share_result(stored.id, id);
   store_.update_job(record);
-  store_.append_event(
-      id, {next_sequence(), now.wall_ms, v1::COMPLETE, "stored result of " + job_name(stored->id)});
-  return id;
+  std::string message = "stored result of " + job_name(stored.id);
+  if (!same_output(job.resolved_bytes, store_.find_job(stored.id)->resolved_bytes))
+    message += ", with its frames and series (--fresh computes those asked for)";
+  store_.append_event(id, {next_sequence(), now.wall_ms, v1::COMPLETE, message});
+  if (limits_.audit_one_in > 0 && ++reuses_ % limits_.audit_one_in == 0)
+    audits_.push_back(audit_of(job, stored.id));
+}
+
+// Behind the submission that caused them: the jobs of one request have consecutive ids.
+void Dispatcher::insert_audits(Now now) {
+  for (const NewJob& audit : std::exchange(audits_, {})) insert(audit, now);
+}
+
+// A stored result that cannot be had again is a fault of a machine or of the engine: told as an
+// error.
+void Dispatcher::compare_with_audited(JobRecord& audit, const v1::Result& result, ExecutionEnd& end,
+                                      std::string& message) {
+  const auto audited = audit.owner == kAuditOwner ? audit.tags.find(kAuditTag) : audit.tags.end();
+  if (audited == audit.tags.end()) return;
+  const auto original = store_.find_result(job_id_from(audited->second).value_or(0));
+  if (!original) return;
+  const bool same = original->state_hash() == result.state_hash();
+  ++audits_ended_[same ? "same" : "different"];
+  message = same ? "same state_hash as " + audited->second
+                 : "state_hash " + result.state_hash() + " differs from " + original->state_hash() +
+                       " of " + audited->second;
+  if (!same) end = ExecutionEnd::error;
 }
 
 // Limits keep one user from filling the disk, and one user's queue from starving the others' intake.
@@ -99,6 +151,7 @@ Result<std::vector<JobId>> Dispatcher::submit(const Submission& submission, Now 
   for (const NewJob& job : submission.jobs)
     ids.push_back(insert(job.wants_stored_filling ? *next++ : job, now));
   if (!submission.request_id.empty()) store_.put_request(submission.request_id, ids, now.wall_ms);
+  insert_audits(now);
   fill_slots(now);
   return ids;
 }
@@ -107,6 +160,7 @@ Result<JobId> Dispatcher::submit_trial(NewJob job, Now now) {
   if (job.wants_stored_filling)
     if (Status status = take_stored_filling(store_, job); !status) return status.error();
   const JobId id = insert(job, now);
+  insert_audits(now);
   fill_slots(now);
   return id;
 }
@@ -289,8 +343,10 @@ void Dispatcher::task_finished(const std::string& worker_id, const v1::TaskFinis
   }
   if (message.has_result()) store_.put_result(job.id, message.result());
   if (end == ExecutionEnd::complete) store_.put_series(job.id, message.series());
+  std::string said = message.message();
+  if (end == ExecutionEnd::complete) compare_with_audited(job, message.result(), end, said);
   store_.append_logs(job.id, {message.log_lines().begin(), message.log_lines().end()});
-  end_execution(std::move(job), end, message.message(), now);
+  end_execution(std::move(job), end, said, now);
   acknowledge(worker_id, *task);
   fill_slots(now);
 }

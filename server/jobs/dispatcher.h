@@ -21,9 +21,15 @@
 
 namespace granary::server {
 
+// Who submits the recomputations that check stored results.
+inline constexpr const char* kAuditOwner = "granary-audit";
+
 struct QueueLimits {
   std::uint64_t max_waiting = 2'000'000;
   std::uint64_t max_waiting_per_owner = 2'000'000;
+  // One in so many jobs answered from the store is computed again, behind everything else, and
+  // compared; 0 = none.
+  std::uint32_t audit_one_in = 0;
 };
 
 struct Submission {
@@ -76,6 +82,8 @@ class Dispatcher {
   std::uint32_t free_slots();
   // Executions ended since the start, by outcome.
   const std::map<std::string, std::uint64_t>& executions_ended() const { return executions_ended_; }
+  // Recomputed stored results since the start: "same" and "different".
+  const std::map<std::string, std::uint64_t>& audits_ended() const { return audits_ended_; }
 
   // Studies whose jobs have ended since the last call.
   std::set<StudyId> take_studies_to_advance() { return std::exchange(studies_to_advance_, {}); }
@@ -92,6 +100,10 @@ class Dispatcher {
   void end_execution(JobRecord job, ExecutionEnd end, const std::string& message, Now now);
   void store_state(JobRecord& job, const std::string& message, Now now);
   JobId insert(const NewJob& job, Now now);
+  void answer_from_store(JobId id, const NewJob& job, const JobRecord& stored, Now now);
+  void insert_audits(Now now);
+  void compare_with_audited(JobRecord& audit, const v1::Result& result, ExecutionEnd& end,
+                            std::string& message);
   void send(const std::string& worker_id, v1::ServerMessage message);
   void drop(const std::string& worker_id, TaskId task);
   void acknowledge(const std::string& worker_id, TaskId task);
@@ -107,6 +119,9 @@ class Dispatcher {
   QueueTally tally_;
   std::string intake_refusal_;
   std::map<std::string, std::uint64_t> executions_ended_;
+  std::uint64_t reuses_ = 0;
+  std::vector<NewJob> audits_;  // to be queued behind the present submission
+  std::map<std::string, std::uint64_t> audits_ended_;
   std::uint64_t epoch_ = 0;
   std::uint64_t events_ = 0;
   bool slots_may_be_free_ = true;

@@ -56,6 +56,12 @@ class JobStore {
   virtual void put_filling(const std::string& key, const StoredArtifact& artifact, std::int64_t now_ms) = 0;
   virtual std::optional<StoredArtifact> find_filling(const std::string& key) = 0;
 
+  // Jobs by growing id, at most `limit` of them.
+  virtual std::vector<JobAge> ages_after(JobId after, std::uint32_t limit) = 0;
+  // Forgets fillings stored and request ids made before this, but for fillings that open jobs ask
+  // for.
+  virtual void forget_before(std::int64_t wall_ms) = 0;
+
   // Every artifact that anything still refers to.
   virtual std::vector<std::string> referenced_artifacts() = 0;
 

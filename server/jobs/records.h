@@ -104,6 +104,14 @@ struct EventRecord {
   std::string message;
 };
 
+// What decides how long a job is kept.
+struct JobAge {
+  JobId id = 0;
+  std::int64_t submitted_ms = 0;
+  std::int64_t ended_ms = 0;
+  bool removable = false;  // ended, not tagged `keep`, of no study that still goes on
+};
+
 struct StoredArtifact {
   std::string sha256;
   std::uint64_t size_bytes = 0;

@@ -16,7 +16,9 @@ struct QueueReading {
   std::uint64_t workers = 0, slots = 0, free_slots = 0;
   std::uint64_t disk_free_bytes = 0;
   bool accepting = true;
+  std::uint64_t running_studies = 0;
   std::map<std::string, std::uint64_t> executions_ended;  // by outcome, since the start
+  std::map<std::string, std::uint64_t> audits_ended;      // "same" and "different", since the start
 };
 
 class Metrics {

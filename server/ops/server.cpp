@@ -18,6 +18,7 @@
 #include "server/api/query_service.h"
 #include "server/api/studies_service.h"
 #include "server/api/workers_service.h"
+#include "server/jobs/retention.h"
 #include "server/ops/audit_log.h"
 #include "server/ops/call_observer.h"
 #include "server/ops/data_lock.h"
@@ -46,7 +47,8 @@ class RunningServer : public Server {
         database_(config.data / "granary.db"),
         store_(database_.connection()),
         study_store_(database_.connection()),
-        dispatcher_(store_, {}),
+        dispatcher_(store_, {.audit_one_in = config.audit_one_in}),
+        retention_(store_, dispatcher_, config.keep_days),
         studies_(study_store_, store_, dispatcher_),
         artifacts_(config.data / "artifacts"),
         owner_(database_, hooks()),
@@ -141,6 +143,8 @@ class RunningServer : public Server {
     const Now now = system_now();
     watch_disk();
     dispatcher_.tick(now);
+    if (const std::size_t removed = retention_.work(now); removed > 0)
+      spdlog::info("event=retention removed={} keep_days={}", removed, config_.keep_days);
     metrics_->set(read_queue(now));
     if (config_.idle_exit_s <= 0) return;
     if (!dispatcher_.idle() || !studies_.idle()) backend_.touch();
@@ -167,7 +171,9 @@ class RunningServer : public Server {
                          .free_slots = dispatcher_.free_slots(),
                          .disk_free_bytes = disk_free_bytes_,
                          .accepting = !intake_refused_,
-                         .executions_ended = dispatcher_.executions_ended()};
+                         .running_studies = studies_.running(),
+                         .executions_ended = dispatcher_.executions_ended(),
+                         .audits_ended = dispatcher_.audits_ended()};
     for (const v1::WorkerInfo& worker : dispatcher_.list_workers(now)) {
       if (worker.state() == "lost") continue;
       ++reading.workers;
@@ -235,6 +241,7 @@ class RunningServer : public Server {
   SqliteJobStore store_;
   StudyTable study_store_;
   Dispatcher dispatcher_;
+  Retention retention_;
   StudyDirector studies_;
   ArtifactStore artifacts_;
   // Of the owner thread's ticks, which begin with it.

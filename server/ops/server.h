@@ -16,6 +16,8 @@ struct ServerConfig {
   double idle_exit_s = 0;  // 0 = stay
   std::uint64_t kept_free_bytes = 200ull << 20;  // intake stops below
   std::string metrics;       // HOST:PORT on this machine; empty = not served
+  std::uint32_t keep_days = 0;     // ended jobs are removed after this; 0 = kept for ever
+  std::uint32_t audit_one_in = 0;  // reused results computed again and compared; 0 = none
   double max_jobs_per_s = 20'000;  // submissions of one owner; ten seconds of it in one burst
   AccessConfig access;
 };

@@ -188,6 +188,22 @@ std::vector<JobRecord> JobTable::list(const ListFilter& filter) {
   return jobs;
 }
 
+std::vector<JobAge> JobTable::ages_after(JobId after, std::uint32_t limit) {
+  SQLite::Statement row(
+      connection_,
+      "SELECT id, submitted_ms, ended_ms, state IN (3, 4, 5, 6) "
+      "AND NOT EXISTS (SELECT 1 FROM job_tag WHERE job = job.id AND name = 'keep') "
+      "AND NOT EXISTS (SELECT 1 FROM study WHERE study.id = job.study AND study.ended_ms = 0) "
+      "FROM job WHERE id > ? ORDER BY id LIMIT ?");
+  row.bind(1, after);
+  row.bind(2, limit);
+  std::vector<JobAge> ages;
+  while (row.executeStep())
+    ages.push_back({row.getColumn(0).getInt64(), row.getColumn(1).getInt64(),
+                    row.getColumn(2).getInt64(), row.getColumn(3).getInt() != 0});
+  return ages;
+}
+
 std::map<std::string, std::uint64_t> JobTable::waiting_by_owner() {
   SQLite::Statement row(connection_, "SELECT owner, count(*) FROM job WHERE state = 1 GROUP BY owner");
   std::map<std::string, std::uint64_t> counts;

@@ -25,6 +25,7 @@ class JobTable {
   std::uint64_t count_running();
   std::map<QueueClass, std::uint64_t> waiting_by_class();
   std::optional<JobRecord> next_waiting(const std::vector<QueueClass>& classes);
+  std::vector<JobAge> ages_after(JobId after, std::uint32_t limit);
   std::optional<JobRecord> find_complete(const std::string& key);
 
  private:

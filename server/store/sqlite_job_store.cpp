@@ -37,6 +37,17 @@ void SqliteJobStore::put_request(const std::string& request_id, const std::vecto
   row->exec();
 }
 
+void SqliteJobStore::forget_before(std::int64_t wall_ms) {
+  SQLite::Statement requests(connection_, "DELETE FROM request WHERE created_ms < ?");
+  requests.bind(1, wall_ms);
+  requests.exec();
+  SQLite::Statement fillings(connection_,
+                             "DELETE FROM filling WHERE created_ms < ? AND key NOT IN "
+                             "(SELECT filling_key FROM job WHERE state IN (1, 2))");
+  fillings.bind(1, wall_ms);
+  fillings.exec();
+}
+
 std::uint64_t SqliteJobStore::next_epoch() {
   connection_.exec("INSERT INTO server_start DEFAULT VALUES");
   return static_cast<std::uint64_t>(connection_.getLastInsertRowid());

@@ -63,6 +63,10 @@ class SqliteJobStore : public JobStore {
   std::optional<StoredArtifact> find_filling(const std::string& key) override {
     return resume_.find_filling(key);
   }
+  std::vector<JobAge> ages_after(JobId after, std::uint32_t limit) override {
+    return jobs_.ages_after(after, limit);
+  }
+  void forget_before(std::int64_t wall_ms) override;
   std::vector<std::string> referenced_artifacts() override { return resume_.referenced(); }
 
   void append_event(JobId job, const EventRecord& event) override { events_.append(job, event); }

@@ -57,6 +57,7 @@ class StudyDirector {
   void work(Now now);
   bool has_work() const { return !to_advance_.empty(); }
   bool idle() const { return watchers_.empty(); }
+  std::size_t running() const { return live_.size(); }  // or paused
 
   std::vector<std::function<void()>> take_effects() { return std::exchange(effects_, {}); }
 
