@@ -26,7 +26,7 @@ echo "server and two workers are up; running $scene"
 job=$("$bin/granary" submit "$scene")
 "$bin/granary" watch "$job"
 "$bin/granary" values "$job"
-"$bin/granary" fetch "$job" -o "$out/demo.h5"
+"$bin/granary" fetch "$job" -o "$out/demo.h5" --force
 "$bin/granary" export "$job" --to svg -o "$out" -q >/dev/null
 echo "result file: $out/demo.h5"
 echo "picture:     $out/picture.svg"

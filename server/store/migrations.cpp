@@ -230,7 +230,13 @@ DROP INDEX job_queue;
 CREATE INDEX job_queue ON job(kind, needs, rank, id) WHERE state = 1;
 )sql";
 
-constexpr std::array<const char*, 5> kMigrations = {kFirst, kResume, kStudies, kValueIndex, kWorkerTags};
+// The jobs of a kind without reading their scenes, which lie in the same rows.
+constexpr const char* kKindIndex = R"sql(
+CREATE INDEX job_by_kind ON job(kind, id);
+)sql";
+
+constexpr std::array<const char*, 6> kMigrations = {kFirst,      kResume,     kStudies,
+                                                    kValueIndex, kWorkerTags, kKindIndex};
 
 int schema_of(SQLite::Database& connection) {
   return connection.execAndGet("PRAGMA user_version").getInt();
