@@ -87,8 +87,8 @@ std::optional<Error> check_room(const v1::Chute& chute) {
           dot(walls[b].point, walls[a].normal) - dot(walls[a].point, walls[a].normal);
       if (room >= diameter) continue;
       return refuse(chute.planes_size() > 0 ? "chute.planes" : "chute.width_m",
-                    "walls overlap or stand " + number(room) +
-                        " m apart, must leave one grain diameter = " + number(diameter) + " m");
+                    "walls overlap or stand " + rounded(room) +
+                        " m apart, must leave one grain diameter = " + rounded(diameter) + " m");
     }
   }
   return {};
@@ -114,16 +114,16 @@ std::optional<Error> check_inlet_speed(const v1::Chute& chute) {
                          std::sqrt(chute.contact_pp().normal_stiffness_n_per_m() / (0.5 * mass));
   if (speed <= fastest) return {};
   return refuse("chute.inlet.mass_flow_kg_per_s",
-                "= " + number(inlet.mass_flow_kg_per_s()) + " needs an inlet speed of " +
-                    number(speed) + " m/s, the lattice allows <= " + number(fastest) +
+                "= " + rounded(inlet.mass_flow_kg_per_s()) + " needs an inlet speed of " +
+                    rounded(speed) + " m/s, the lattice allows <= " + rounded(fastest) +
                     " m/s (impacts of half a radius at this stiffness)");
 }
 
 std::optional<Error> check_opening(const v1::Chute& chute) {
   if (chute.inlet().feed() == v1::Inlet::NONE || chute.width_m() >= largest_diameter(chute))
     return {};
-  return refuse("chute.width_m", "= " + number(chute.width_m()) + " is out of range, must be >= " +
-                                     number(largest_diameter(chute)) + " (one diameter)");
+  return refuse("chute.width_m", "= " + rounded(chute.width_m()) + " is out of range, must be >= " +
+                                     rounded(largest_diameter(chute)) + " (one diameter)");
 }
 
 }  // namespace

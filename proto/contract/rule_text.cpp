@@ -4,10 +4,21 @@
 
 namespace granary {
 
-std::string number(double value) {
+namespace {
+
+std::string with_digits(int digits, double value) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
   return text;
+}
+
+}  // namespace
+
+std::string number(double value) {
+  return with_digits(6, value);
+}
+std::string rounded(double value) {
+  return with_digits(4, value);
 }
 
 }  // namespace granary

@@ -13,5 +13,7 @@ inline Error refuse(const std::string& path, const std::string& what) {
 
 // Six significant digits, enough to tell a value from its limit.
 std::string number(double value);
+// Four, for limits that were computed.
+std::string rounded(double value);
 
 }  // namespace granary

@@ -20,7 +20,8 @@ std::size_t Retention::work(Now now) {
   for (const JobAge& job : jobs) {
     if (job.submitted_ms > ended_before_ms) break;  // and so are all behind it
     seen_ = job.id;
-    if (job.removable && job.ended_ms <= ended_before_ms && dispatcher_.remove(job.id).ok()) ++removed;
+    if (job.removable && job.ended_ms <= ended_before_ms && dispatcher_.remove(job.id).ok())
+      ++removed;
   }
   if (jobs.size() < kJobsPerCall || jobs.back().id != seen_) end_pass(now);
   return removed;

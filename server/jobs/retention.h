@@ -1,6 +1,6 @@
-// Old jobs leave by themselves (granaryd --keep-days): with their values, series and, by the sweep that
-// follows, their files. Never a job that waits or runs, one of a study that still goes on, or one with
-// the tag `keep`. A bounded piece of work per call, on the owner thread.
+// Old jobs leave by themselves (granaryd --keep-days): with their values, series and, by the sweep
+// that follows, their files. Never a job that waits or runs, one of a study that still goes on, or
+// one with the tag `keep`. A bounded piece of work per call, on the owner thread.
 #pragma once
 
 #include "server/jobs/dispatcher.h"

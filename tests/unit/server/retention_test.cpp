@@ -13,7 +13,8 @@ constexpr std::int64_t kDayMs = 86'400'000, kStart = 1'700'000'000'000;
 
 class RetentionTest : public testing::Test {
  protected:
-  JobId job(v1::JobState state, std::int64_t ended_ms, std::map<std::string, std::string> tags = {}, StudyId study = 0) {
+  JobId job(v1::JobState state, std::int64_t ended_ms, std::map<std::string, std::string> tags = {},
+            StudyId study = 0) {
     NewJob job;
     job.kind = "discharge";
     job.tags = std::move(tags);
@@ -28,8 +29,10 @@ class RetentionTest : public testing::Test {
   }
   StudyId study(std::int64_t ended_ms) {
     database.connection().exec(
-        "INSERT INTO study (kind, name, state, owner, request_id, spec, generator, submitted_ms, ended_ms) "
-        "VALUES ('sweep', '', 1, '', '', x'', x'', 1, " + std::to_string(ended_ms) + ")");
+        "INSERT INTO study (kind, name, state, owner, request_id, spec, generator, submitted_ms, "
+        "ended_ms) "
+        "VALUES ('sweep', '', 1, '', '', x'', x'', 1, " +
+        std::to_string(ended_ms) + ")");
     return database.connection().getLastInsertRowid();
   }
   // Until a pass has ended.
@@ -58,11 +61,13 @@ TEST_F(RetentionTest, removes_what_ended_before_and_keeps_the_rest) {
   EXPECT_FALSE(there(failed));
   for (const JobId id : {recent, running, waiting, kept}) EXPECT_TRUE(there(id)) << id;
   const std::vector<std::string> files = store.referenced_artifacts();
-  EXPECT_EQ(std::count(files.begin(), files.end(), "file of " + job_name(old)), 0) << "the sweep may take its file";
+  EXPECT_EQ(std::count(files.begin(), files.end(), "file of " + job_name(old)), 0)
+      << "the sweep may take its file";
 }
 
 TEST_F(RetentionTest, keeps_the_jobs_of_a_study_until_it_has_ended) {
-  const JobId of_running = job(v1::COMPLETE, kStart, {}, study(0)), of_ended = job(v1::COMPLETE, kStart, {}, study(5));
+  const JobId of_running = job(v1::COMPLETE, kStart, {}, study(0)),
+              of_ended = job(v1::COMPLETE, kStart, {}, study(5));
   EXPECT_EQ(work_at(kStart + 40 * kDayMs), 1u);
   EXPECT_TRUE(there(of_running));
   EXPECT_FALSE(there(of_ended));
