@@ -11,6 +11,7 @@
 #include <map>
 
 #include "client/commands/duration.h"
+#include "proto/contract/scene_meshes.h"
 #include "proto/contract/scene_text.h"
 
 namespace granary::commands {
@@ -96,6 +97,8 @@ Result<LoadedScene> load_one(const std::string& path, const std::vector<FieldSet
   if (!text) return text.error();
   auto scene = load_scene(*text, source, settings);
   if (!scene) return scene.error();
+  if (const Status status = inline_meshes(*scene, path); !status)
+    return with_line(status.error(), *text, source);
   auto resolved = resolve(*scene);
   if (!resolved) return with_line(resolved.error(), *text, source);
   return LoadedScene{source, std::move(*scene), std::move(*resolved)};

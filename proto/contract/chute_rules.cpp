@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "proto/contract/rule_text.h"
+#include "proto/contract/stl.h"
 
 namespace granary {
 namespace {
@@ -22,8 +23,10 @@ std::optional<Error> check_available(const v1::Chute& chute) {
   if (chute.inlet().feed() == v1::Inlet::HOPPER)
     return refuse("chute.inlet.feed",
                   "= HOPPER is not available in this version, must be LATTICE or NONE");
-  if (chute.triangles_size() > 0)
-    return refuse("chute.triangles", "are not available in this version, use chute.planes");
+  if (chute.meshes_size() > 0)
+    return refuse("chute.meshes[0].stl_file",
+                  "names a file: only the program that reads the scene from a file opens it, a job "
+                  "carries chute.triangles");
   if (chute.particles_size() > kMaxClasses)
     return refuse("chute.particles",
                   "has more than " + std::to_string(kMaxClasses) + " size classes");
@@ -73,6 +76,20 @@ std::optional<Error> check_planes(const v1::Chute& chute) {
   }
   if (chute.planes_size() > kMaxWalls - 5)
     return refuse("chute.planes", "are more than " + std::to_string(kMaxWalls - 5));
+  return {};
+}
+
+std::optional<Error> check_triangles(const v1::Chute& chute) {
+  if (chute.triangles_size() > static_cast<int>(kMaxTriangles))
+    return refuse("chute.triangles", "are " + std::to_string(chute.triangles_size()) +
+                                         ", must be <= " + std::to_string(kMaxTriangles));
+  for (int k = 0; k < chute.triangles_size(); ++k) {
+    TriangleCorners corners;
+    std::copy_n(chute.triangles(k).vertices_m().begin(), corners.size(), corners.begin());
+    if (!has_area(corners))
+      return refuse("chute.triangles[" + std::to_string(k) + "].vertices_m",
+                    "has no area: its corners lie on one line");
+  }
   return {};
 }
 
@@ -130,7 +147,8 @@ std::optional<Error> check_opening(const v1::Chute& chute) {
 
 std::optional<Error> check_resolved_chute(const v1::Chute& chute) {
   for (const auto check :
-       {check_available, check_planes, check_opening, check_room, check_inlet_speed}) {
+       {check_available, check_planes, check_triangles, check_opening, check_room,
+        check_inlet_speed}) {
     if (auto error = check(chute)) return error;
   }
   return {};

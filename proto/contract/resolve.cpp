@@ -20,6 +20,9 @@ using google::protobuf::Message;
 
 constexpr double kPi = 3.14159265358979323846;
 
+// Corners by the thousand say nothing to a reader of settings.
+constexpr std::string_view kMeshPath = "chute.triangles[";
+
 class Resolver {
  public:
   explicit Resolver(const v1::Scene& scene) { out_.scene = scene; }
@@ -27,8 +30,10 @@ class Resolver {
   Result<ResolvedScene> run() {
     for_each_set_scalar(out_.scene, [&](const std::string& path, const Message& message,
                                         const FieldDescriptor& field, int index) {
-      note(path, scalar_text(message, field, index), "user", "");
+      if (!path.starts_with(kMeshPath)) note(path, scalar_text(message, field, index), "user", "");
     });
+    if (const int triangles = out_.scene.chute().triangles_size(); triangles > 0)
+      note("chute.triangles", std::to_string(triangles) + " triangles", "user", "");
     if (out_.scene.has_discharge()) choose_discharge(*out_.scene.mutable_discharge());
     fill_defaults(out_.scene, "");
     if (out_.scene.has_chute()) {

@@ -141,8 +141,10 @@ constexpr FieldRule kRules[] = {
     {"chute.inlet.sluice_height_m", maybe, kNone, 0, 10, true, "height of the feed"},
     {"chute.inlet.spin", defaulted, 0, -kAny, kAny, false, "spin of entering grains"},
     {"chute.inlet.jitter", defaulted, 0, 0, 0.5, false, "lattice noise in diameters"},
-    {"chute.inlet.hopper_height_m", maybe, kNone, 0, 10, true, "hopper"},
-    {"chute.inlet.hopper_opening_m", maybe, kNone, 0, 10, true, "hopper"},
+    {"chute.inlet.hopper_height_m", maybe, kNone, 0, 10, true, "height of the hopper's fill"},
+    {"chute.inlet.hopper_opening_m", maybe, kNone, 0, 10, true, "height of the hopper's slot"},
+    {"chute.inlet.hopper_length_m", maybe, kNone, 0, 10, true, "hopper, along the chute"},
+    {"chute.inlet.hopper_opening_width_m", maybe, kNone, 0, 10, true, "width of the hopper's slot"},
     {"chute.gas.drag_law", defaulted, 0, -kAny, kAny, false, "drag law"},
     {"chute.gas.grid[]", maybe, kNone, 1, 4096, false, "gas cells along x, y, z"},
     {"chute.gas.density_kg_per_m3", defaulted, 1.2, 0, 1000, true, "gas"},
@@ -170,6 +172,8 @@ constexpr FieldRule kRules[] = {
     {"chute.planes[].point_m[]", required, kNone, -1000, 1000, false, "point of a plane"},
     {"chute.planes[].normal[]", required, kNone, -1, 1, false, "unit normal into the flow"},
     {"chute.triangles[].vertices_m[]", required, kNone, -1000, 1000, false, "corners"},
+    {"chute.meshes[].unit_m", defaulted, 1, 0, 1000, true, "length of one unit of the file"},
+    {"chute.meshes[].offset_m[]", maybe, kNone, -1000, 1000, false, "added after scaling"},
     {"chute.gravity_m_per_s2", defaulted, 9.81, 0, 1000, false, "gravity"},
     {"chute.cohesion_bond", defaulted, 0, 0, 1e6, false, "cohesive force / weight"},
 };
@@ -307,6 +311,9 @@ std::optional<Error> check_chute(const v1::Chute& chute) {
   for (int i = 0; i < chute.triangles_size(); ++i)
     if (chute.triangles(i).vertices_m_size() != 9)
       return refuse("chute.triangles[" + std::to_string(i) + "].vertices_m", "needs 9 numbers");
+  for (int i = 0; i < chute.meshes_size(); ++i)
+    if (chute.meshes(i).offset_m_size() != 0 && chute.meshes(i).offset_m_size() != 3)
+      return refuse("chute.meshes[" + std::to_string(i) + "].offset_m", "needs 3 numbers: x, y, z");
   if (chute.gas().grid_size() != 0 && chute.gas().grid_size() != 3)
     return refuse("chute.gas.grid", "needs 3 numbers: cells along x, y, z");
   if (chute.has_sample_start_s() && chute.sample_start_s() >= chute.duration_s())

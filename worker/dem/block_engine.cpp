@@ -20,8 +20,6 @@ constexpr double kHorizonInCollisions = 0.4;
 constexpr std::uint64_t kShortestHorizon = 4, kLongestHorizon = 64;  // steps
 constexpr double kSkinInDiameters = 0.5;
 constexpr double kMarginInDiameters = 0.01;
-constexpr double kLargestSoundOverlap =
-    0.5;  // overlap / radius; beyond, the linear law means nothing
 // Steps that one thread takes at once along the front: k + 2 blocks should fit into its cache.
 constexpr std::size_t kFrontSteps = 4;
 constexpr std::uint64_t kTimedWindows = 16;  // every so many windows are timed by phase
@@ -70,6 +68,8 @@ BlockEngine::BlockEngine(const EngineSetup& setup, const Kernels& kernels)
       terms_(setup.motion, setup.time_step),
       laws_(law_tables(setup)),
       wall_tables_(wall_tables(setup.walls)),
+      mesh_(setup.triangles),
+      mesh_laws_(mesh_laws()),
       body_(body_coefficients(setup)),
       combination_(*effect_combination(setup.effects, some_rolling_arm(setup))),
       integrate_(setup.motion.rotates() ? kernels.integrate_rotating : kernels.integrate),
@@ -192,6 +192,7 @@ std::size_t BlockEngine::contact_count() const {
     for (const SlotList* list : {&blocks_[b].pair_slots, &blocks_[b].wall_slots}) {
       for (std::size_t slot = 0; slot < list->size(); ++slot) count += list->touching(slot) ? 1 : 0;
     }
+    count += blocks_[b].mesh_contacts.size();
   }
   return count;
 }
@@ -322,6 +323,7 @@ void BlockEngine::meet(Block& block, LineVector<GrainLoad>& desk) {
   task.laws = &laws_.walls;
   task.walls = &wall_tables_;
   if (task.slots.count > 0) kernels_.walls[combination_](task, block.sums);
+  if (!block.mesh_rows.empty()) meet_mesh(block, desk);
   for (std::uint32_t k = 0; k < block.range.outflow; ++k) {
     block.outgoing[k] = std::exchange(desk[block.range.count + k], {});
   }
@@ -389,14 +391,9 @@ void BlockEngine::watch() {
     largest_overlap_ratio_ = std::max(largest_overlap_ratio_, ratio);
   }
   if (!sound) {
-    trouble_ = core::Rejection{time(), "position or velocity is not a number", broken_ids(),
-                               "a smaller chute.time_step_s", core::Cause::not_finite};
+    trouble_ = not_a_number(time(), broken_ids());
   } else if (largest_overlap_ratio_ > kLargestSoundOverlap) {
-    trouble_ = core::Rejection{
-        time(), "overlap of " + std::to_string(largest_overlap_ratio_) + " radii", deepest_ids(),
-        "a larger chute.contact_pp.normal_stiffness_n_per_m (walls: contact_pw), or a smaller "
-        "chute.time_step_s",
-        core::Cause::overlap};
+    trouble_ = overlap_too_deep(time(), largest_overlap_ratio_, deepest_ids());
   }
 }
 
@@ -420,6 +417,7 @@ void BlockEngine::halve_time_step() {
   ordered_at_ = next_refresh_ = step_;
   terms_ = BodyTerms(setup_.motion, setup_.time_step);
   laws_ = law_tables(setup_);
+  mesh_laws_ = mesh_laws();
   body_ = body_coefficients(setup_);
   horizon_ = horizon_steps(setup_);
   for (GrainMotion& m : motion_)

@@ -17,7 +17,10 @@
 #include "worker/dem/engine.h"
 #include "worker/dem/kernels.h"
 #include "worker/dem/law_tables.h"
+#include "worker/dem/mesh_contact.h"
+#include "worker/dem/pair_coefficients.h"
 #include "worker/dem/slot_list.h"
+#include "worker/dem/trouble.h"
 
 namespace granary::dem {
 
@@ -66,6 +69,11 @@ class BlockEngine final : public Engine {
     double gap = 0;       // m, of the nearest grain outside the list
     double approach = 0;  // m/s, of the block's mean motion
   };
+  // A grain that may touch the mesh while the order lasts, and the triangles in its reach.
+  struct MeshRow {
+    std::uint32_t grain = 0;  // place in the arrays
+    std::uint32_t begin = 0, end = 0;
+  };
   struct Block {
     BlockRange range;
     std::uint32_t inflow = 0;        // grains that the block before may push
@@ -74,6 +82,10 @@ class BlockEngine final : public Engine {
     SlotList pair_slots, wall_slots;
     SlotList old_pair_slots, old_wall_slots;
     std::vector<std::uint32_t> survivors;
+    std::vector<MeshRow> mesh_rows;
+    std::vector<std::uint32_t> near_triangles;
+    std::vector<MeshContact> mesh_contacts, old_mesh_contacts;  // touching, by grain
+    std::vector<SurfaceMesh::Foot> feet;                        // scratch
     core::Vec3 mean_velocity;  // when the order was built
     std::vector<WallRoom> rooms;
     double stray = 0;      // largest distance from the mean motion at the end of the horizon
@@ -132,10 +144,24 @@ class BlockEngine final : public Engine {
   void note_late_contacts();
   void for_blocks(const std::function<void(Block&)>& task);
 
+  // block_mesh.cpp
+  std::vector<MeshLaw> mesh_laws() const;
+  void collect_mesh(Block& block);
+  static std::span<const std::uint32_t> triangles_of(const Block& block, const MeshRow& row);
+  void meet_mesh(Block& block, LineVector<GrainLoad>& desk);
+  void end_mesh_at_outlet(Block& block);
+  void keep_mesh_contacts();
+  void move_mesh_contacts(std::span<const std::uint32_t> place);
+  void inherit_mesh_contacts(Block& block);
+  void show_mesh_contacts(core::EnergyLedger& ledger) const;
+  void book_first_mesh_overlaps();
+  void save_mesh(core::State& state) const;
+  void load_mesh(const core::State& state);
+
   // block_ledger.cpp
   void flush_ledger();
   void begin_ledger_span();
-  void book(core::EnergyChannel channel, double energy);
+  void book(core::EnergyChannel channel, double energy) { book_into(ledger_, channel, energy); }
   void book_transfer(core::EnergyChannel channel, std::size_t grain, double sign);
   void book_first_overlaps();
   double mass(std::size_t grain) const { return 1 / motion_[grain].inverse_mass; }
@@ -159,6 +185,7 @@ class BlockEngine final : public Engine {
   };
   Touch touch_of_pair(std::size_t a, std::size_t b) const;
   Touch touch_of_wall(std::size_t a, std::size_t wall) const;
+  Touch touch_of_mesh(const MeshContact& contact) const;
   double normal_energy(const Touch& touch, double overlap) const;
   double elastic_energy(const Touch& touch, const History& history) const;
   struct Unfinished {
@@ -175,11 +202,15 @@ class BlockEngine final : public Engine {
   void load_lists(const core::State& state);
   void load_scalars(const core::State& state);
 
+  static constexpr std::uint64_t kLongestOrderInHorizons = 32;
+
   EngineSetup setup_;
   const Kernels& kernels_;
   BodyTerms terms_;
   Laws laws_;
   WallTables wall_tables_;
+  SurfaceMesh mesh_;
+  std::vector<MeshLaw> mesh_laws_;  // one per class
   BodyCoefficients body_;
   std::size_t combination_;  // row of kEffectCombinations
   IntegrateKernel integrate_;
@@ -201,6 +232,7 @@ class BlockEngine final : public Engine {
   std::vector<core::Vec3> listed_at_;  // positions when the order was built
   std::vector<Block> blocks_;
   std::size_t block_count_ = 0;  // blocks_ keeps its memory
+  std::vector<MeshContact> kept_mesh_contacts_;  // while the order is rebuilt
   CellOrder cells_;
 
   Crew crew_;

@@ -12,11 +12,6 @@ namespace granary::dem {
 using core::EnergyChannel;
 using core::Vec3;
 
-void BlockEngine::book(EnergyChannel channel, double energy) {
-  ledger_[channel] += energy;
-  ledger_.throughput_j += std::abs(energy);
-}
-
 Vec3 BlockEngine::half_step_position(std::size_t grain) const {
   const GrainMotion& m = motion_[grain];
   const double back = 0.5 * setup_.time_step;
@@ -161,6 +156,9 @@ std::vector<std::int64_t> BlockEngine::deepest_ids() const {
       const std::size_t first = place(block.wall_slots.first(slot));
       note(touch_of_wall(first, block.wall_slots.second(slot)).overlap, {id_[first]});
     }
+    for (const MeshContact& contact : block.mesh_contacts) {
+      note(touch_of_mesh(contact).overlap, {id_[contact.grain]});
+    }
   }
   return ids;
 }
@@ -175,6 +173,7 @@ void BlockEngine::show_contacts(core::EnergyLedger& ledger) const {
     ledger[EnergyChannel::normal_damping] += half.damping;
     ledger[EnergyChannel::friction] += half.friction;
   });
+  show_mesh_contacts(ledger);
 }
 
 // Grains put in with an overlap bring its elastic energy along.
@@ -187,6 +186,7 @@ void BlockEngine::book_first_overlaps() {
         contact.overlap + 0.5 * setup_.time_step * dot(contact.velocity, contact.normal);
     book(EnergyChannel::inlet, -normal_energy(contact, overlap));
   });
+  book_first_mesh_overlaps();
   std::fill(fresh_.begin(), fresh_.end(), 0);
 }
 
@@ -206,15 +206,11 @@ void BlockEngine::flush_ledger() {
 }
 
 void BlockEngine::book_block(const Block& block, core::EnergyLedger& ledger) {
-  const auto add = [&](EnergyChannel channel, double energy) {
-    ledger[channel] += energy;
-    ledger.throughput_j += std::abs(energy);
-  };
-  add(EnergyChannel::normal_damping, block.sums.normal_damping);
-  add(EnergyChannel::friction, block.sums.friction);
-  add(EnergyChannel::rolling, block.sums.rolling);
-  add(EnergyChannel::inlet, -block.inlet_work);
-  add(EnergyChannel::outlet, block.outlet_work);
+  book_into(ledger, EnergyChannel::normal_damping, block.sums.normal_damping);
+  book_into(ledger, EnergyChannel::friction, block.sums.friction);
+  book_into(ledger, EnergyChannel::rolling, block.sums.rolling);
+  book_into(ledger, EnergyChannel::inlet, -block.inlet_work);
+  book_into(ledger, EnergyChannel::outlet, block.outlet_work);
 }
 
 // Work of gravity and of the centrifugal force since the order was built.

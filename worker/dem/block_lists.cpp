@@ -15,7 +15,6 @@ using core::Vec3;
 namespace {
 
 constexpr std::size_t kGrainsPerBlock = 512;
-constexpr std::uint64_t kLongestOrderInHorizons = 32;
 constexpr double kMarginGrowth = 1.5;        // after late contacts
 constexpr double kLargestMarginShare = 0.4;  // of the skin
 
@@ -117,6 +116,7 @@ void BlockEngine::rebuild_order() {
   flush_ledger();
   std::vector<KeptSlot> pairs, walls;
   keep_slots(pairs, walls);
+  keep_mesh_contacts();
   drop_leavers(pairs, walls);
   cells_.build(motion_, largest_reach());
   sort_grains(pairs, walls);
@@ -160,6 +160,7 @@ void BlockEngine::drop_leavers(std::vector<KeptSlot>& pairs, std::vector<KeptSlo
     if (leaves && !is_carried(k)) book_transfer(EnergyChannel::outlet, k, -1);
   }
   if (kept == motion_.size()) return;
+  move_mesh_contacts(place);
   const auto take = [&](const KeptSlot& slot, bool is_wall) {
     const bool goes = place[slot.first] == kGone || (!is_wall && place[slot.second] == kGone);
     if (goes && slot.history.touched != 0) {
@@ -238,6 +239,7 @@ void BlockEngine::sort_grains(std::vector<KeptSlot>& pairs, std::vector<KeptSlot
     slot.history = reversed(slot.history);
   }
   for (KeptSlot& slot : walls) slot.first = place[slot.first];
+  move_mesh_contacts(place);
   sort_slots(pairs, order.size());
   sort_slots(walls, order.size());
 }
@@ -261,6 +263,8 @@ void BlockEngine::fill_block(Block& block, std::span<const KeptSlot> pairs,
   set_reference(block);
   collect_pairs(block);
   collect_walls(block);
+  collect_mesh(block);
+  inherit_mesh_contacts(block);
   const auto inherit = [&](const OuterList& outer, std::span<const KeptSlot> kept, SlotList& slots,
                            bool is_wall) {
     const auto begin = std::lower_bound(
@@ -374,6 +378,7 @@ void BlockEngine::prune_block(Block& block) {
   block.late = 0;
   prune_pairs(block);
   prune_walls(block);
+  if (block.nears_outlet) end_mesh_at_outlet(block);
 }
 
 bool BlockEngine::ends_at_outlet(Block& block, std::uint32_t first, std::uint32_t second,

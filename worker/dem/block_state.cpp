@@ -156,6 +156,7 @@ core::State BlockEngine::snapshot() const {
   for (const Vec3& p : listed_at_) listed.insert(listed.end(), {p.x, p.y, p.z});
   state.put("dem.listed_at_m", "m", listed, 3);
   save_lists(state);
+  save_mesh(state);
   std::vector<Leaver> leavers = leavers_;
   for (std::size_t b = 0; b < block_count_; ++b) {
     leavers.insert(leavers.end(), blocks_[b].leavers.begin(), blocks_[b].leavers.end());
@@ -267,6 +268,7 @@ void BlockEngine::restore(const core::State& state) {
     listed_at_.push_back({listed[k], listed[k + 1], listed[k + 2]});
   }
   load_lists(state);
+  load_mesh(state);
   leavers_ = get_leavers(state);
   load_scalars(state);
   count_free();

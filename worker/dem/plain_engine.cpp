@@ -20,8 +20,6 @@ namespace {
 // then the floor still carries them.
 constexpr std::uint64_t kOutletInterval = 24;
 constexpr double kSkinInDiameters = 0.3;  // candidate pairs are closer than this
-constexpr double kLargestSoundOverlap =
-    0.5;  // overlap / radius; beyond, the linear law means nothing
 
 using PairKey = std::pair<std::int64_t, std::int64_t>;
 struct PairKeyHash {
@@ -37,6 +35,7 @@ PlainEngine::PlainEngine(const EngineSetup& setup)
     : setup_(setup),
       terms_(setup.motion, setup.time_step),
       coefficients_(pair_coefficients(setup)),
+      mesh_(setup.triangles),
       map_(setup.motion, 0) {
   double smallest = setup.classes.front().radius;
   for (const GrainClass& grain_class : setup.classes) {
@@ -190,6 +189,7 @@ void PlainEngine::place_walls() {
 void PlainEngine::sum_forces() {
   for (Body& body : bodies_) body.force = body.torque = {};
   contacts_.clear();
+  touch_mesh();
   for (std::size_t k = 0; k < candidates_.size(); ++k) meet(k);
 }
 
@@ -288,17 +288,9 @@ void PlainEngine::watch() {
     return !std::isfinite(dot(body.position, body.velocity_half));
   });
   if (broken != bodies_.end()) {
-    trouble_ = core::Rejection{time(),
-                               "position or velocity is not a number",
-                               {broken->id},
-                               "a smaller chute.time_step_s",
-                               core::Cause::not_finite};
+    trouble_ = not_a_number(time(), {broken->id});
   } else if (largest_overlap_ratio_ > kLargestSoundOverlap) {
-    trouble_ = core::Rejection{
-        time(), "overlap of " + std::to_string(largest_overlap_ratio_) + " radii", deepest_ids(),
-        "a larger chute.contact_pp.normal_stiffness_n_per_m (walls: contact_pw), or a smaller "
-        "chute.time_step_s",
-        core::Cause::overlap};
+    trouble_ = overlap_too_deep(time(), largest_overlap_ratio_, deepest_ids());
   }
 }
 
@@ -344,6 +336,30 @@ double PlainEngine::spin_response_of(const Candidate& candidate) const {
   return response - b.radius / b.inertia();
 }
 
+SurfaceTouch PlainEngine::wall_touch(const Candidate& candidate) const {
+  if (candidate.wall() >= walls_now_.size()) {
+    return {candidate.touch.normal, candidate.is_met ? candidate.touch.overlap : 0};
+  }
+  const Body& a = bodies_[candidate.first];
+  const Plane& wall = walls_now_[candidate.wall()];
+  return {wall.normal, class_of(a).radius - dot(a.position - wall.point, wall.normal)};
+}
+
+// Finds what every grain touches of the mesh, and which of its slots each touch goes on in.
+void PlainEngine::touch_mesh() {
+  for (const Surroundings& near : near_mesh_) {
+    const std::span<Candidate> slots = std::span(candidates_).subspan(near.candidate, kMostTouches);
+    const Body& body = bodies_[slots[0].first];
+    TouchList touches = mesh_.touches(
+        map_.position_out(body.position), class_of(body).radius,
+        std::span(near_triangles_).subspan(near.begin, near.end - near.begin), feet_);
+    for (std::size_t k = 0; k < touches.count; ++k) {
+      touches.touch[k].normal = map_.direction_in(touches.touch[k].normal);
+    }
+    assign_touches(touches.all(), slots);
+  }
+}
+
 // Velocities are those of the half step before, as always in the semi-implicit scheme. Walls that
 // turn are seen as from the corotating frame: half a step back, and carried on with them by half a
 // turn.
@@ -351,10 +367,10 @@ bool PlainEngine::find_contact(const Candidate& candidate, ContactGeometry& geom
   const Body& a = bodies_[candidate.first];
   geometry.radius_a = class_of(a).radius;
   if (candidate.is_wall()) {
-    const Plane& wall = walls_now_[candidate.wall()];
-    geometry.overlap = geometry.radius_a - dot(a.position - wall.point, wall.normal);
+    const SurfaceTouch touch = wall_touch(candidate);
+    geometry.overlap = touch.overlap;
     if (geometry.overlap <= 0 && !candidate.touching) return false;
-    geometry.normal = -wall.normal;
+    geometry.normal = -touch.normal;
     const Vec3 half_back = a.position - a.velocity_half * (0.5 * setup_.time_step);
     geometry.relative_spin = half_turn_ * (a.spin_half - map_.wall_spin());
     geometry.relative_velocity = half_turn_ * (a.velocity_half - map_.wall_velocity(half_back)) +
@@ -394,7 +410,7 @@ bool PlainEngine::candidates_are_stale() const {
   if (list_is_void_) return true;
   const double allowed = 0.25 * skin_ * skin_;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Vec3 moved = bodies_[k].position - listed_at_[k];
+    const Vec3 moved = map_.position_out(bodies_[k].position) - listed_at_[k];
     if (dot(moved, moved) > allowed) return true;
   }
   return false;
@@ -412,15 +428,16 @@ void PlainEngine::refresh_candidates() {
     if (old == touching.end()) continue;
     candidate.spring = old->second->spring;
     candidate.velocity = old->second->velocity;
+    candidate.touch = old->second->touch;
     candidate.touching = true;
   }
   candidates_ = std::move(fresh);
   listed_at_.clear();
-  for (const Body& body : bodies_) listed_at_.push_back(body.position);
+  for (const Body& body : bodies_) listed_at_.push_back(map_.position_out(body.position));
   list_is_void_ = false;
 }
 
-std::vector<PlainEngine::Candidate> PlainEngine::collect_candidates() const {
+std::vector<PlainEngine::Candidate> PlainEngine::collect_candidates() {
   std::vector<Vec3> points;
   double largest = 0;
   for (const Body& body : bodies_) {
@@ -429,6 +446,8 @@ std::vector<PlainEngine::Candidate> PlainEngine::collect_candidates() const {
   }
   core::CellGrid grid;
   grid.build(points, 2 * largest + skin_);
+  near_mesh_.clear();
+  near_triangles_.clear();
   std::vector<Candidate> list;
   for (std::size_t a = 0; a < points.size(); ++a) {
     const std::size_t first_of_a = list.size();
@@ -436,6 +455,7 @@ std::vector<PlainEngine::Candidate> PlainEngine::collect_candidates() const {
     std::sort(list.begin() + static_cast<std::ptrdiff_t>(first_of_a), list.end(),
               [](const Candidate& l, const Candidate& r) { return l.second < r.second; });
     add_walls_of(a, points[a], list);
+    add_surface_of(a, points[a], list);
   }
   return list;
 }
@@ -472,6 +492,22 @@ void PlainEngine::add_walls_of(std::size_t a, const Vec3& point,
         dot(point - setup_.walls[w].point, setup_.walls[w].normal) - class_of(bodies_[a]).radius;
     if (gap >= skin_) continue;
     const auto wall = static_cast<std::int32_t>(-1 - static_cast<std::int32_t>(w));
+    list.push_back({.first = static_cast<std::int32_t>(a),
+                    .second = wall,
+                    .first_id = bodies_[a].id,
+                    .second_id = wall});
+  }
+}
+
+void PlainEngine::add_surface_of(std::size_t a, const Vec3& point, std::vector<Candidate>& list) {
+  if (mesh_.empty()) return;
+  const auto begin = static_cast<std::uint32_t>(near_triangles_.size());
+  mesh_.add_near(point, class_of(bodies_[a]).radius + skin_, near_triangles_);
+  const auto end = static_cast<std::uint32_t>(near_triangles_.size());
+  if (begin == end) return;
+  near_mesh_.push_back({list.size(), begin, end});
+  for (std::size_t slot = 0; slot < kMostTouches; ++slot) {
+    const auto wall = -1 - static_cast<std::int32_t>(setup_.walls.size() + slot);
     list.push_back({.first = static_cast<std::int32_t>(a),
                     .second = wall,
                     .first_id = bodies_[a].id,

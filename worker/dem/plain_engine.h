@@ -16,6 +16,8 @@
 #include "worker/dem/body_terms.h"
 #include "worker/dem/engine.h"
 #include "worker/dem/pair_coefficients.h"
+#include "worker/dem/surface_mesh.h"
+#include "worker/dem/trouble.h"
 
 namespace granary::dem {
 
@@ -64,14 +66,21 @@ class PlainEngine final : public Engine {
   };
   struct Candidate {
     std::int32_t first = 0;
-    std::int32_t second = 0;  // < 0: wall -1 - second
+    std::int32_t second = 0;  // < 0: wall -1 - second; beyond the planes: a slot for the mesh
     std::int64_t first_id = 0;
     std::int64_t second_id = 0;  // of a wall: same as `second`
     core::Vec3 spring = {};
     core::Vec3 velocity = {};  // relative, of the last step; while touching
+    SurfaceTouch touch = {};  // mesh only, engine axes
     bool touching = false;
+    bool is_met = false;  // mesh only: touched in this step
     bool is_wall() const { return second < 0; }
     std::size_t wall() const { return static_cast<std::size_t>(-1 - second); }
+  };
+  // A grain near the mesh: the triangles in its reach, and the first of its kMostTouches candidates.
+  struct Surroundings {
+    std::size_t candidate = 0;
+    std::uint32_t begin = 0, end = 0;  // in near_triangles_
   };
   struct Contact {
     std::size_t candidate = 0;
@@ -83,11 +92,14 @@ class PlainEngine final : public Engine {
   void step_once();
   void refresh_candidates();
   bool candidates_are_stale() const;
-  std::vector<Candidate> collect_candidates() const;
+  std::vector<Candidate> collect_candidates();
   void add_neighbours_of(std::size_t a, std::span<const core::Vec3> points,
                          const core::CellGrid& grid, std::vector<Candidate>& list) const;
   void add_walls_of(std::size_t a, const core::Vec3& point, std::vector<Candidate>& list) const;
+  void add_surface_of(std::size_t a, const core::Vec3& point, std::vector<Candidate>& list);
   void place_walls();
+  void touch_mesh();
+  SurfaceTouch wall_touch(const Candidate& candidate) const;
   bool find_contact(const Candidate& candidate, ContactGeometry& geometry) const;
   void predict(const Candidate& candidate, ContactGeometry& geometry) const;
   void sum_forces();
@@ -115,7 +127,7 @@ class PlainEngine final : public Engine {
   void book_contact(const Contact& contact, double span);
   void book_drive(const Contact& contact, double span);
   void book_first_overlap(const Contact& contact);
-  void book(core::EnergyChannel channel, double energy);
+  void book(core::EnergyChannel channel, double energy) { book_into(ledger_, channel, energy); }
   void update_stored();
   double kinetic_energy(const Body& body) const;
   double potential_energy(const Body& body) const;
@@ -132,7 +144,11 @@ class PlainEngine final : public Engine {
 
   std::vector<Body> bodies_;  // ascending ids
   std::vector<Candidate> candidates_;
-  std::vector<core::Vec3> listed_at_;  // positions when the candidates were collected
+  std::vector<core::Vec3> listed_at_;  // chute axes, when the candidates were collected
+  SurfaceMesh mesh_;
+  std::vector<Surroundings> near_mesh_;
+  std::vector<std::uint32_t> near_triangles_;
+  std::vector<SurfaceMesh::Foot> feet_;  // scratch
   std::vector<Contact> contacts_;
   std::vector<Plane> walls_now_;  // engine axes
   FrameMap map_;                  // at the current time

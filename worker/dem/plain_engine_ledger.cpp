@@ -8,11 +8,6 @@ namespace granary::dem {
 using core::EnergyChannel;
 using core::Vec3;
 
-void PlainEngine::book(EnergyChannel channel, double energy) {
-  ledger_[channel] += energy;
-  ledger_.throughput_j += std::abs(energy);
-}
-
 double PlainEngine::kinetic_energy(const Body& body) const {
   const GrainClass& grain_class = class_of(body);
   return 0.5 * grain_class.mass() * dot(body.velocity_half, body.velocity_half) +

@@ -24,6 +24,7 @@ constexpr std::size_t kLeaverWidth = 9;  // time, position, velocity, diameter, 
 
 core::State PlainEngine::snapshot() const {
   std::vector<double> position, velocity, spin, carried_velocity, spring, contact_velocity;
+  std::vector<double> contact_normal;  // of touches of the mesh, else 0
   std::vector<std::int64_t> id, pair;
   std::vector<std::uint8_t> grain_class, carried, fresh;
   for (const Body& body : bodies_) {
@@ -41,6 +42,7 @@ core::State PlainEngine::snapshot() const {
     pair.insert(pair.end(), {candidate.first_id, candidate.second_id});
     push(spring, candidate.spring);
     push(contact_velocity, candidate.velocity);
+    push(contact_normal, candidate.touch.normal);
   }
   std::vector<double> leavers;
   std::vector<std::int64_t> leaver_id;
@@ -65,6 +67,7 @@ core::State PlainEngine::snapshot() const {
   state.put("dem.touching_ids", "1", pair, 2);
   state.put("dem.spring_m", "m", spring, 3);
   state.put("dem.contact_velocity_m_per_s", "m/s", contact_velocity, 3);
+  if (!mesh_.empty()) state.put("dem.contact_normal", "1", contact_normal, 3);
   state.put_scalar("dem.step", "1", step_);
   state.put_scalar("dem.next_id", "1", next_id_);
   state.put_scalar("dem.particle_steps", "1", particle_steps_);
@@ -113,12 +116,19 @@ void PlainEngine::restore(const core::State& state) {
   const auto pair = state.get<std::int64_t>("dem.touching_ids");
   const auto spring = state.get<double>("dem.spring_m");
   const auto contact_velocity = state.get<double>("dem.contact_velocity_m_per_s");
+  std::vector<double> normal(contact_velocity.size(), 0);
+  if (!mesh_.empty()) normal = state.get<double>("dem.contact_normal");
+  if (spring.size() != contact_velocity.size() || normal.size() != spring.size() ||
+      2 * spring.size() != 3 * pair.size()) {
+    throw std::runtime_error("state: contact columns differ in length");
+  }
   candidates_.clear();
   for (std::size_t k = 0; 2 * k < pair.size(); ++k) {
     candidates_.push_back({.first_id = pair[2 * k],
                            .second_id = pair[2 * k + 1],
                            .spring = vector_at(spring, k),
                            .velocity = vector_at(contact_velocity, k),
+                           .touch = {vector_at(normal, k), 0},
                            .touching = true});
   }
   contacts_.clear();

@@ -24,6 +24,11 @@ struct Plane {
   core::Vec3 normal;  // unit
 };
 
+// Part of a mesh; acts on both sides. Precondition: it has an area.
+struct Triangle {
+  core::Vec3 a, b, c;
+};
+
 enum class FrameKind {
   corotating,  // equations of motion in chute axes, with centrifugal and Coriolis terms
   inertial     // laboratory axes that coincide with the chute's at t = 0; walls turn
@@ -53,6 +58,7 @@ struct EngineSetup {
   ContactParameters grain_wall;
   ContactEffects effects;
   std::vector<Plane> walls;
+  std::vector<Triangle> triangles;  // more walls, at rest in the chute's axes
   Motion motion;
   double time_step = 1e-5;
   Damping damping = Damping::semi_implicit;

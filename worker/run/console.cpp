@@ -9,6 +9,7 @@
 
 #include "granary/v1/job.pb.h"
 #include "proto/contract/job_state.h"
+#include "proto/contract/scene_meshes.h"
 #include "proto/contract/scene_text.h"
 #include "proto/contract/values_json.h"
 #include "worker/run/accuracy_run.h"
@@ -39,6 +40,8 @@ Result<TaskSpec> prepare(const ConsoleOptions& options, const EngineBuild& build
   if (!text) return text.error();
   Result<v1::Scene> scene = load_scene(*text, options.scene_file, options.settings);
   if (!scene) return scene.error();
+  if (const Status status = inline_meshes(*scene, options.scene_file); !status)
+    return status.error();
   if (options.threads) scene->set_threads(*options.threads);
   Result<TaskSpec> spec = make_task(*scene, build);
   if (spec && !options.output_file.empty()) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -79,6 +80,23 @@ std::vector<dem::Plane> walls_of(const v1::Chute& chute) {
                      length > 0 ? normal * (1 / length) : normal});
   }
   return walls;
+}
+
+std::vector<dem::Triangle> triangles_of(const v1::Chute& chute) {
+  std::vector<dem::Triangle> triangles;
+  for (const v1::Triangle& triangle : chute.triangles()) {
+    const auto& v = triangle.vertices_m();
+    triangles.push_back({{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]}});
+  }
+  return triangles;
+}
+
+// Where grains leave. A chute made of triangles alone still ends at its length when it is fed.
+double outlet_of(const v1::Chute& chute) {
+  const bool is_fed_mesh =
+      chute.triangles_size() > 0 && chute.inlet().feed() != v1::Inlet::NONE;
+  const bool is_open = !chute.closed_end() && (!chute.no_walls() || is_fed_mesh);
+  return is_open ? chute.length_m() : std::numeric_limits<double>::infinity();
 }
 
 std::vector<dem::Grain> beads_of(const v1::Chute& chute) {
@@ -164,12 +182,13 @@ Result<ChutePlan> plan_chute(const v1::Scene& scene) {
                             ? dem::Damping::predicted_velocity
                             : dem::Damping::semi_implicit;
   plan.engine.walls = walls_of(chute);
+  plan.engine.triangles = triangles_of(chute);
   plan.engine.motion = motion_of(scene);
   plan.engine.time_step = chute.time_step_s();
   plan.engine.precision =
       chute.precision() == v1::Chute::DOUBLE ? dem::Precision::full : dem::Precision::mixed;
   plan.engine.threads = scene.has_threads() ? scene.threads() : 1;
-  if (!chute.closed_end() && !chute.no_walls()) plan.engine.outlet_x = chute.length_m();
+  plan.engine.outlet_x = outlet_of(chute);
   plan.beads = beads_of(chute);
   plan.initial_count = chute.initial_count();
   plan.seed = scene.seed();

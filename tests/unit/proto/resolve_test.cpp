@@ -140,8 +140,11 @@ TEST(Resolve, chutes_that_cannot_run_are_refused_with_the_limit) {
       {"particles { diameter_m: 0.00005 density_kg_per_m3: 2550 mass_fraction: 0.5 }",
        "chute.particles", "1:60, must be within 1:50"},
       {"inlet { feed: HOPPER }", "chute.inlet.feed", "must be LATTICE or NONE"},
-      {"triangles { vertices_m: [0, 0, 0, 1, 0, 0, 0, 1, 0] }", "chute.triangles",
-       "use chute.planes"},
+      {"triangles { vertices_m: [0, 0, 0, 1, 0, 0, 2, 0, 0] }", "chute.triangles[0].vertices_m",
+       "has no area"},
+      {"triangles { vertices_m: [0, 0, 0, 1, 0, 0] }", "chute.triangles[0].vertices_m",
+       "needs 9 numbers"},
+      {"meshes { stl_file: \"/etc/passwd\" }", "chute.meshes[0].stl_file", "carries chute.triangles"},
   };
   for (const auto& c : cases) {
     const auto extra = parse_scene("chute { " + std::string(c.scene) + " }", "extra");

@@ -1,0 +1,24 @@
+// What both engines share in their books and sentinels.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "worker/core/energy_ledger.h"
+#include "worker/core/simulation.h"
+
+namespace granary::dem {
+
+// Overlap / radius; beyond, the linear law means nothing.
+inline constexpr double kLargestSoundOverlap = 0.5;
+
+core::Rejection not_a_number(double time, std::vector<std::int64_t> ids);
+core::Rejection overlap_too_deep(double time, double overlap_ratio, std::vector<std::int64_t> ids);
+
+inline void book_into(core::EnergyLedger& ledger, core::EnergyChannel channel, double energy) {
+  ledger[channel] += energy;
+  ledger.throughput_j += std::abs(energy);
+}
+
+}  // namespace granary::dem
