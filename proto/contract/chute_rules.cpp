@@ -18,11 +18,10 @@ constexpr double kDeepestImpact = 0.5;
 constexpr double kLatticeSolidFraction = 0.68017;  // touching bcc, pi sqrt(3) / 8
 constexpr int kMaxClasses = 8;                     // the engine's tables of pairs
 constexpr int kMaxWalls = 64;
+constexpr int kOwnWalls = 7;  // of a chute at most: floor, sides, ends, and what shuts it for filling
+constexpr double kFillFraction = 0.6;  // solid fraction of a settled hopper, loose random packing
 
 std::optional<Error> check_available(const v1::Chute& chute) {
-  if (chute.inlet().feed() == v1::Inlet::HOPPER)
-    return refuse("chute.inlet.feed",
-                  "= HOPPER is not available in this version, must be LATTICE or NONE");
   if (chute.meshes_size() > 0)
     return refuse("chute.meshes[0].stl_file",
                   "names a file: only the program that reads the scene from a file opens it, a job "
@@ -58,6 +57,8 @@ std::vector<Wall> walls_of(const v1::Chute& chute) {
     walls.push_back({{chute.length_m(), 0, 0}, {-1, 0, 0}});
     if (chute.inlet().feed() == v1::Inlet::NONE) walls.push_back({{0, 0, 0}, {1, 0, 0}});
   }
+  if (chute.inlet().feed() == v1::Inlet::HOPPER)
+    walls.push_back({{-chute.inlet().hopper_length_m(), 0, 0}, {1, 0, 0}});
   for (const v1::WallPlane& plane : chute.planes()) {
     Wall wall{{plane.point_m(0), plane.point_m(1), plane.point_m(2)},
               {plane.normal(0), plane.normal(1), plane.normal(2)}};
@@ -74,8 +75,8 @@ std::optional<Error> check_planes(const v1::Chute& chute) {
     if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0)
       return refuse("chute.planes[" + std::to_string(k) + "].normal", "must not be zero");
   }
-  if (chute.planes_size() > kMaxWalls - 5)
-    return refuse("chute.planes", "are more than " + std::to_string(kMaxWalls - 5));
+  if (chute.planes_size() > kMaxWalls - kOwnWalls)
+    return refuse("chute.planes", "are more than " + std::to_string(kMaxWalls - kOwnWalls));
   return {};
 }
 
@@ -136,6 +137,40 @@ std::optional<Error> check_inlet_speed(const v1::Chute& chute) {
                     " m/s (impacts of half a radius at this stiffness)");
 }
 
+// The slot lets a grain through; what would be ignored is refused.
+std::optional<Error> check_hopper(const v1::Chute& chute) {
+  const v1::Inlet& inlet = chute.inlet();
+  if (inlet.feed() != v1::Inlet::HOPPER) return {};
+  const double diameter = largest_diameter(chute);
+  const struct {
+    const char* field;
+    double value, least, most;
+    const char* why;
+  } limits[] = {
+      {"hopper_opening_m", inlet.hopper_opening_m(), diameter, inlet.hopper_height_m(),
+       "one diameter to hopper_height_m"},
+      {"hopper_length_m", inlet.hopper_length_m(), 2 * diameter, 10, "two diameters to 10 m"},
+      {"hopper_opening_width_m",
+       inlet.has_hopper_opening_width_m() ? inlet.hopper_opening_width_m() : chute.width_m(),
+       diameter, chute.width_m(), "one diameter to width_m"},
+  };
+  for (const auto& limit : limits) {
+    if (limit.value >= limit.least && limit.value <= limit.most) continue;
+    return refuse(std::string("chute.inlet.") + limit.field,
+                  "= " + number(limit.value) + " is out of range, must be >= " +
+                      number(limit.least) + " and <= " + number(limit.most) + " (" + limit.why + ")");
+  }
+  if (inlet.has_mass_flow_kg_per_s() || inlet.has_sluice_height_m())
+    return refuse(inlet.has_mass_flow_kg_per_s() ? "chute.inlet.mass_flow_kg_per_s"
+                                                 : "chute.inlet.sluice_height_m",
+                  "stands beside feed HOPPER, whose flow is what comes out of its slot");
+  if (chute.initial_count() > 0)
+    return refuse("chute.initial_count", "stands beside feed HOPPER, which fills itself");
+  if (chute.no_walls())
+    return refuse("chute.no_walls", "stands beside feed HOPPER, which stands between the walls");
+  return {};
+}
+
 std::optional<Error> check_opening(const v1::Chute& chute) {
   if (chute.inlet().feed() == v1::Inlet::NONE || chute.width_m() >= largest_diameter(chute))
     return {};
@@ -145,9 +180,22 @@ std::optional<Error> check_opening(const v1::Chute& chute) {
 
 }  // namespace
 
+std::uint64_t hopper_grain_count(const v1::Chute& chute) {
+  const v1::Inlet& inlet = chute.inlet();
+  if (inlet.feed() != v1::Inlet::HOPPER) return 0;
+  double grains = 0, volume = 0;  // per kilogram
+  for (const auto& particle : chute.particles()) {
+    const double specific = particle.mass_fraction() / particle.density_kg_per_m3();
+    volume += specific;
+    grains += specific / (kPi / 6 * std::pow(particle.diameter_m(), 3));
+  }
+  const double bin = inlet.hopper_length_m() * chute.width_m() * inlet.hopper_height_m();
+  return static_cast<std::uint64_t>(kFillFraction * bin * grains / volume);
+}
+
 std::optional<Error> check_resolved_chute(const v1::Chute& chute) {
   for (const auto check :
-       {check_available, check_planes, check_triangles, check_opening, check_room,
+       {check_available, check_planes, check_triangles, check_opening, check_hopper, check_room,
         check_inlet_speed}) {
     if (auto error = check(chute)) return error;
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "proto/contract/chute_rules.h"
+
 namespace granary {
 namespace {
 
@@ -108,13 +110,20 @@ double residence_s(const v1::Chute& c, double inlet_speed) {
   return (std::sqrt(inlet_speed * inlet_speed + 2 * a * c.length_m()) - inlet_speed) / a;
 }
 
+// Grains that lie there at the start, in the chute or in its hopper.
+double settled_grains(const v1::Chute& c) {
+  return c.initial_count() + static_cast<double>(hopper_grain_count(c));
+}
+
 double settling_s(const v1::Chute& c) {
   double largest = 0;
   for (const auto& particle : c.particles()) largest = std::max(largest, particle.diameter_m());
   const double spacing = 1.06 * largest;
-  const double layer = std::max(1.0, std::floor(c.length_m() / spacing)) *
+  const bool is_hopper = c.inlet().feed() == v1::Inlet::HOPPER;
+  const double length = is_hopper ? c.inlet().hopper_length_m() : c.length_m();
+  const double layer = std::max(1.0, std::floor(length / spacing)) *
                        std::max(1.0, std::floor(c.width_m() / spacing));
-  const double height = spacing * std::ceil(c.initial_count() / layer);
+  const double height = spacing * std::ceil(settled_grains(c) / layer);
   return 0.15 + std::sqrt(2 * height / std::max(c.gravity_m_per_s2(), 1e-3));
 }
 
@@ -127,13 +136,15 @@ Work chute_work(const v1::Chute& c) {
   Work work;
   const double dt = c.time_step_s(), end_s = c.duration_s();
   const double factor = needs_plain_engine(c) ? kPlainEngineFactor : 1;
-  const double resting = c.initial_count() + c.beads_size();
-  if (c.initial_count() > 0)
-    work.add(settling_s(c) / dt, c.initial_count(), factor * kLyingGrainNs);
+  const double settled = settled_grains(c);
+  const double resting = settled + c.beads_size();
+  if (settled > 0) work.add(settling_s(c) / dt, settled, factor * kLyingGrainNs);
   const bool flows = c.inclination_deg() > 20 && !c.closed_end();
-  work.add(end_s / dt, resting, factor * (flows ? kFlowingGrainNs : kLyingGrainNs));
+  const bool most_flow = flows && c.inlet().feed() != v1::Inlet::HOPPER;
+  work.add(end_s / dt, resting, factor * (most_flow ? kFlowingGrainNs : kLyingGrainNs));
   work.particles = work.frame_rows = resting;
-  if (c.inlet().feed() == v1::Inlet::NONE || !(c.inlet().mass_flow_kg_per_s() > 0)) return work;
+  const bool is_fed = c.inlet().feed() == v1::Inlet::LATTICE;
+  if (!is_fed || !(c.inlet().mass_flow_kg_per_s() > 0)) return work;
   const double rate = c.inlet().mass_flow_kg_per_s() / mean_mass(c);
   const double density = c.particles(0).density_kg_per_m3() * 0.68;
   const double speed = c.inlet().mass_flow_kg_per_s() /
@@ -172,8 +183,8 @@ std::uint64_t particles_ever(const v1::Scene& scene) {
                                                   : d.particles().count();
   }
   const v1::Chute& c = scene.chute();
-  double count = c.initial_count() + c.beads_size();
-  if (c.inlet().feed() != v1::Inlet::NONE)
+  double count = settled_grains(c) + c.beads_size();
+  if (c.inlet().feed() == v1::Inlet::LATTICE)
     count += c.inlet().mass_flow_kg_per_s() * c.duration_s() / mean_mass(c);
   return static_cast<std::uint64_t>(count);
 }

@@ -188,6 +188,8 @@ class Resolver {
     } else if (c.time_step_s() > shortest / 5) {
       limit_ = shortest / 5;
     }
+    if (c.inlet().feed() == v1::Inlet::HOPPER && !c.inlet().has_hopper_length_m())
+      choose("chute.inlet.hopper_length_m", c.inlet().hopper_height_m(), "as long as it is high");
     if (!c.has_sample_start_s())
       choose("chute.sample_start_s", c.duration_s() / 3, "a third of the duration");
   }

@@ -267,6 +267,15 @@ std::optional<Error> check_inlet(const v1::Chute& chute, double smallest) {
   const v1::Inlet& inlet = chute.inlet();
   if (inlet.feed() == v1::Inlet::NONE) return {};
   if (chute.beads_size() > 0 && !chute.has_inlet()) return {};
+  if (inlet.feed() == v1::Inlet::HOPPER) {
+    if (!inlet.has_hopper_height_m())
+      return bad("chute.inlet.hopper_height_m",
+                 "is missing, must be > 0 and <= 10 (height of the hopper's fill)");
+    if (!inlet.has_hopper_opening_m())
+      return bad("chute.inlet.hopper_opening_m",
+                 "is missing, must be > 0 and <= 10 (height of the hopper's slot)");
+    return {};
+  }
   if (!inlet.has_mass_flow_kg_per_s())
     return refuse("chute.inlet.mass_flow_kg_per_s",
                   "is missing, must be > 0 and <= 100000 (or feed: NONE)");

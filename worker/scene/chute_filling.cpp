@@ -25,6 +25,7 @@ double largest_radius(const ChutePlan& plan) {
 
 struct Grid {
   double spacing;
+  double begin;  // x of its upstream end
   std::size_t along, across;
   double height_of(std::size_t count) const {
     return spacing * std::ceil(static_cast<double>(count) / static_cast<double>(along * across));
@@ -36,7 +37,8 @@ Grid grid_of(const ChutePlan& plan) {
   const auto fit = [&](double length) {
     return static_cast<std::size_t>(std::max(1.0, std::floor(length / spacing)));
   };
-  return {spacing, fit(plan.geometry.length), fit(plan.geometry.width)};
+  const double length = plan.hopper ? plan.hopper->length : plan.geometry.length;
+  return {spacing, plan.hopper ? -length : 0, fit(length), fit(plan.geometry.width)};
 }
 
 std::uint8_t draw_class(const ChutePlan& plan, std::uint64_t grain) {
@@ -65,7 +67,7 @@ std::vector<dem::Grain> loose_grid(const ChutePlan& plan) {
     };
     const std::size_t level = k / (grid.along * grid.across);
     const std::size_t in_level = k % (grid.along * grid.across);
-    grains[k].position = {centre(in_level / grid.across) + noise(0),
+    grains[k].position = {grid.begin + centre(in_level / grid.across) + noise(0),
                           centre(in_level % grid.across) + noise(1), centre(level) + noise(2)};
     grains[k].grain_class = draw_class(plan, k);
   }
@@ -77,12 +79,18 @@ std::vector<dem::Grain> loose_grid(const ChutePlan& plan) {
 std::unique_ptr<dem::Engine> make_filling(const ChutePlan& plan) {
   dem::EngineSetup setup = plan.engine;
   setup.motion = {};
-  setup.motion.gravity = {0, 0, -norm(plan.engine.motion.gravity)};
   setup.outlet_x = std::numeric_limits<double>::infinity();
   setup.grain_grain.normal_restitution = kSettlingRestitution;
   setup.grain_wall.normal_restitution = kSettlingRestitution;
-  setup.walls.push_back({{0, 0, 0}, {1, 0, 0}});
-  setup.walls.push_back({{plan.geometry.length, 0, 0}, {-1, 0, 0}});
+  if (plan.hopper) {
+    setup.motion.gravity = plan.engine.motion.gravity;
+    setup.walls.push_back(plan.hopper->shut);
+    setup.triangles.resize(setup.triangles.size() - plan.hopper->gate.size());
+  } else {
+    setup.motion.gravity = {0, 0, -norm(plan.engine.motion.gravity)};
+    setup.walls.push_back({{0, 0, 0}, {1, 0, 0}});
+    setup.walls.push_back({{plan.geometry.length, 0, 0}, {-1, 0, 0}});
+  }
   std::unique_ptr<dem::Engine> engine = dem::make_engine(setup);
   engine->insert(loose_grid(plan));
   return engine;

@@ -1,6 +1,6 @@
-// Settled grains at the start of a run (`initial_count`): a loose grid over the floor that falls
-// under gravity normal to the floor, in a closed chute, with strongly damped contacts. It is a run
-// of its own, so that a sweep can share it.
+// Settled grains at the start of a run: a loose grid over the floor that falls, with strongly damped
+// contacts, in a closed chute under gravity normal to the floor (`initial_count`) or in a hopper whose
+// gate is shut, under the gravity of the run. It is a run of its own.
 #pragma once
 
 #include <memory>

@@ -191,6 +191,13 @@ Result<ChutePlan> plan_chute(const v1::Scene& scene) {
   plan.engine.outlet_x = outlet_of(chute);
   plan.beads = beads_of(chute);
   plan.initial_count = chute.initial_count();
+  if (chute.inlet().feed() == v1::Inlet::HOPPER) {
+    plan.hopper = hopper_of(chute);
+    plan.initial_count = hopper_grain_count(chute);
+    plan.engine.walls.push_back(plan.hopper->back);
+    const std::vector<dem::Triangle>& gate = plan.hopper->gate;
+    plan.engine.triangles.insert(plan.engine.triangles.end(), gate.begin(), gate.end());
+  }
   plan.seed = scene.seed();
   plan.duration = chute.duration_s();
   plan.sample_start = chute.sample_start_s();

@@ -10,6 +10,7 @@
 #include "worker/dem/lattice_feed.h"
 #include "worker/dem/setup.h"
 #include "worker/measure/chute_observer.h"
+#include "worker/scene/hopper.h"
 
 namespace granary::scene {
 
@@ -17,6 +18,7 @@ struct ChutePlan {
   dem::EngineSetup engine;
   measure::ChuteGeometry geometry;
   std::optional<dem::LatticeFeedSetup> feed;
+  std::optional<Hopper> hopper;   // filled with initial_count grains; its walls are in `engine`
   std::vector<dem::Grain> beads;  // placed by hand
   std::size_t initial_count = 0;  // settled grains at the start
   std::vector<double> mass_fractions;

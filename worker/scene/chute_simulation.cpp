@@ -28,6 +28,7 @@ ChuteSimulation::ChuteSimulation(ChutePlan plan, const core::State* stored_filli
       engine_(dem::make_engine(plan_.engine)),
       observer_(plan_.geometry, plan_.sample_start, plan_.engine.classes.size() > 1) {
   if (plan_.feed) feed_.emplace(*plan_.feed);
+  if (plan_.hopper) hopper_.emplace(plan_.sample_start);
   engine_->insert(plan_.beads);
   if (plan_.initial_count == 0) return;
   filling_duration_ = filling_duration(plan_);
@@ -123,7 +124,9 @@ void ChuteSimulation::free_layers() {
 
 void ChuteSimulation::sample() {
   const std::vector<dem::Leaver> leavers = engine_->take_leavers();
-  observer_.sample(engine_->time(), engine_->grains(), leavers);
+  const dem::GrainTable grains = engine_->grains();
+  observer_.sample(engine_->time(), grains, leavers);
+  if (hopper_) hopper_->sample(engine_->time(), grains);
   ++frames_sampled_;
 }
 
@@ -155,6 +158,7 @@ core::SimulationProgress ChuteSimulation::progress() const {
 
 core::Observation ChuteSimulation::observe() const {
   core::Observation observation = observer_.observe();
+  if (hopper_) hopper_->add_to(observation);
   const dem::EffectCounts counts = engine_->effect_counts();
   observation.effect_evaluations = {{"gas", 0},
                                     {"rotating_frame", counts.rotating_frame},
@@ -212,6 +216,7 @@ core::SettingChange ChuteSimulation::apply(core::Remedy) {
 core::State ChuteSimulation::snapshot() const {
   core::State state = engine().snapshot();
   observer_.save(state);
+  if (hopper_) hopper_->save(state);
   state.put_scalar<std::uint8_t>("chute.filling", "1", is_filling() ? 1 : 0);
   state.put_scalar("chute.filling_steps", "1", filling_steps_);
   state.put_scalar("chute.filling_particle_steps", "1", filling_particle_steps_);
@@ -238,6 +243,7 @@ void ChuteSimulation::restore(const core::State& state) {
     engine_->restore(state);
   }
   observer_.load(state);
+  if (hopper_) hopper_->load(state);
   filling_steps_ = state.get_scalar<std::uint64_t>("chute.filling_steps");
   filling_particle_steps_ = state.get_scalar<std::uint64_t>("chute.filling_particle_steps");
   steps_not_made_ = state.get_scalar<std::uint64_t>("chute.steps_not_made");

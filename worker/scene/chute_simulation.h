@@ -8,6 +8,7 @@
 
 #include "worker/core/simulation.h"
 #include "worker/dem/engine.h"
+#include "worker/measure/hopper_record.h"
 #include "worker/scene/chute_plan.h"
 
 namespace granary::scene {
@@ -52,6 +53,7 @@ class ChuteSimulation final : public core::Simulation {
   std::unique_ptr<dem::Engine> engine_;
   std::optional<dem::LatticeFeed> feed_;
   measure::ChuteObserver observer_;
+  std::optional<measure::HopperRecord> hopper_;
   std::uint64_t filling_steps_ = 0;
   std::uint64_t filling_particle_steps_ = 0;
   std::uint64_t steps_not_made_ = 0;  // step numbers skipped when the time step was halved
