@@ -18,7 +18,8 @@ constexpr double kDeepestImpact = 0.5;
 constexpr double kLatticeSolidFraction = 0.68017;  // touching bcc, pi sqrt(3) / 8
 constexpr int kMaxClasses = 8;                     // the engine's tables of pairs
 constexpr int kMaxWalls = 64;
-constexpr int kOwnWalls = 7;  // of a chute at most: floor, sides, ends, and what shuts it for filling
+// Of a chute at most: floor, sides, ends, and what shuts it for filling.
+constexpr int kOwnWalls = 7;
 constexpr double kFillFraction = 0.6;  // solid fraction of a settled hopper, loose random packing
 
 std::optional<Error> check_available(const v1::Chute& chute) {
@@ -157,8 +158,9 @@ std::optional<Error> check_hopper(const v1::Chute& chute) {
   for (const auto& limit : limits) {
     if (limit.value >= limit.least && limit.value <= limit.most) continue;
     return refuse(std::string("chute.inlet.") + limit.field,
-                  "= " + number(limit.value) + " is out of range, must be >= " +
-                      number(limit.least) + " and <= " + number(limit.most) + " (" + limit.why + ")");
+                  "= " + number(limit.value) +
+                      " is out of range, must be >= " + number(limit.least) +
+                      " and <= " + number(limit.most) + " (" + limit.why + ")");
   }
   if (inlet.has_mass_flow_kg_per_s() || inlet.has_sluice_height_m())
     return refuse(inlet.has_mass_flow_kg_per_s() ? "chute.inlet.mass_flow_kg_per_s"
@@ -194,9 +196,8 @@ std::uint64_t hopper_grain_count(const v1::Chute& chute) {
 }
 
 std::optional<Error> check_resolved_chute(const v1::Chute& chute) {
-  for (const auto check :
-       {check_available, check_planes, check_triangles, check_opening, check_hopper, check_room,
-        check_inlet_speed}) {
+  for (const auto check : {check_available, check_planes, check_triangles, check_opening,
+                           check_hopper, check_room, check_inlet_speed}) {
     if (auto error = check(chute)) return error;
   }
   return {};

@@ -5,26 +5,23 @@
 #include <string>
 #include <system_error>
 
+#include "proto/contract/rule_text.h"
 #include "proto/contract/stl.h"
 
 namespace granary {
 namespace {
 
-Error refuse(const std::string& path, const std::string& what) {
-  return {ErrorCode::invalid_argument, path + ": " + what, path};
-}
-
 Result<std::string> read_file(const std::filesystem::path& file, const std::string& path) {
   std::error_code failed;
   const std::string name = "= \"" + file.string() + "\" ";
   if (!std::filesystem::is_regular_file(file, failed))
-    return refuse(path, name + (failed || !std::filesystem::exists(file, failed)
-                                    ? "is not there"
-                                    : "is no regular file"));
+    return refuse(path,
+                  name + (failed || !std::filesystem::exists(file, failed) ? "is not there"
+                                                                           : "is no regular file"));
   const auto size = std::filesystem::file_size(file, failed);
   if (failed || size > kMaxStlBytes)
-    return refuse(path, name + "has " + std::to_string(size) + " bytes, must be <= " +
-                            std::to_string(kMaxStlBytes));
+    return refuse(path, name + "has " + std::to_string(size) +
+                            " bytes, must be <= " + std::to_string(kMaxStlBytes));
   std::ifstream in(file, std::ios::binary);
   std::string bytes(size, '\0');
   in.read(bytes.data(), static_cast<std::streamsize>(size));

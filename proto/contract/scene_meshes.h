@@ -9,8 +9,8 @@
 
 namespace granary {
 
-// Replaces chute.meshes by chute.triangles. Names are relative to the folder of `scene_file` ("-": the
-// current one). Errors carry the field path.
+// Replaces chute.meshes by chute.triangles. Names are relative to the folder of `scene_file` ("-":
+// the current one). Errors carry the field path.
 Status inline_meshes(v1::Scene& scene, const std::string& scene_file);
 
 }  // namespace granary

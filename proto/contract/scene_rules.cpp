@@ -269,10 +269,10 @@ std::optional<Error> check_inlet(const v1::Chute& chute, double smallest) {
   if (chute.beads_size() > 0 && !chute.has_inlet()) return {};
   if (inlet.feed() == v1::Inlet::HOPPER) {
     if (!inlet.has_hopper_height_m())
-      return bad("chute.inlet.hopper_height_m",
+      return refuse("chute.inlet.hopper_height_m",
                  "is missing, must be > 0 and <= 10 (height of the hopper's fill)");
     if (!inlet.has_hopper_opening_m())
-      return bad("chute.inlet.hopper_opening_m",
+      return refuse("chute.inlet.hopper_opening_m",
                  "is missing, must be > 0 and <= 10 (height of the hopper's slot)");
     return {};
   }

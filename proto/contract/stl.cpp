@@ -9,6 +9,8 @@
 #include <optional>
 #include <string>
 
+#include "proto/contract/rule_text.h"
+
 namespace granary {
 namespace {
 
@@ -20,14 +22,9 @@ constexpr std::size_t kNormalBytes = 12;
 // Twice the area / the longest edge squared; corners are floats, good to 1e-7 of themselves.
 constexpr double kThinnest = 1e-9;
 
-Error refuse(std::string_view what, const std::string& why) {
+// Of a file: no field is to blame here.
+Error refuse_file(std::string_view what, const std::string& why) {
   return {ErrorCode::invalid_argument, std::string(what) + ": " + why, ""};
-}
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
 }
 
 std::string too_many(std::size_t count) {
@@ -40,10 +37,11 @@ std::optional<Error> check_triangle(const TriangleCorners& corners, std::string_
                                     const std::string& where) {
   for (const double value : corners) {
     if (std::isfinite(value)) continue;
-    return refuse(what, where + " has a corner at " + number(value) + ", must be a finite number");
+    return refuse_file(what,
+                       where + " has a corner at " + number(value) + ", must be a finite number");
   }
   if (!has_area(corners))
-    return refuse(what, where + " has no area: its corners lie on one line");
+    return refuse_file(what, where + " has no area: its corners lie on one line");
   return {};
 }
 
@@ -61,10 +59,11 @@ std::size_t promised_bytes(std::string_view bytes) {
 
 Result<std::vector<TriangleCorners>> parse_binary(std::string_view bytes, std::string_view what) {
   const std::uint32_t count = promised_triangles(bytes);
-  if (count == 0 || count > kMaxTriangles) return refuse(what, too_many(count));
+  if (count == 0 || count > kMaxTriangles) return refuse_file(what, too_many(count));
   if (promised_bytes(bytes) != bytes.size())
-    return refuse(what, "has " + std::to_string(bytes.size()) + " bytes, " + std::to_string(count) +
-                            " triangles need " + std::to_string(promised_bytes(bytes)));
+    return refuse_file(what, "has " + std::to_string(bytes.size()) + " bytes, " +
+                                 std::to_string(count) + " triangles need " +
+                                 std::to_string(promised_bytes(bytes)));
   std::vector<TriangleCorners> triangles(count);
   for (std::size_t k = 0; k < count; ++k) {
     float corners[9];
@@ -91,7 +90,7 @@ class AsciiReader {
     while (!rest_is_empty()) {
       if (auto error = read_solid()) return *error;
     }
-    if (triangles_.empty()) return refuse(what_, too_many(0));
+    if (triangles_.empty()) return refuse_file(what_, too_many(0));
     return std::move(triangles_);
   }
 
@@ -120,8 +119,9 @@ class AsciiReader {
 
   std::optional<Error> unexpected(const std::string& found, const std::string& wanted) const {
     const std::string shown = found.substr(0, 40);
-    return refuse(what_, where() + (found.empty() ? " ends the file" : " has '" + shown + "'") +
-                             " where '" + wanted + "' belongs");
+    return refuse_file(what_, where() +
+                                  (found.empty() ? " ends the file" : " has '" + shown + "'") +
+                                  " where '" + wanted + "' belongs");
   }
 
   std::optional<Error> expect(const char* wanted) {
@@ -169,7 +169,7 @@ class AsciiReader {
     if (auto error = expect("endfacet")) return error;
     if (auto error = check_triangle(corners, what_, begun)) return error;
     if (triangles_.size() == kMaxTriangles)
-      return refuse(what_, "has more than " + std::to_string(kMaxTriangles) + " triangles");
+      return refuse_file(what_, "has more than " + std::to_string(kMaxTriangles) + " triangles");
     triangles_.push_back(corners);
     return {};
   }
@@ -188,9 +188,8 @@ bool has_area(const TriangleCorners& c) {
     return std::array{c[to] - c[from], c[to + 1] - c[from + 1], c[to + 2] - c[from + 2]};
   };
   const auto ab = edge(3, 0), ac = edge(6, 0), bc = edge(6, 3);
-  const double twice_area =
-      std::hypot(ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2],
-                 ab[0] * ac[1] - ab[1] * ac[0]);
+  const double twice_area = std::hypot(ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2],
+                                       ab[0] * ac[1] - ab[1] * ac[0]);
   const double longest = std::max({std::hypot(ab[0], ab[1], ab[2]), std::hypot(ac[0], ac[1], ac[2]),
                                    std::hypot(bc[0], bc[1], bc[2])});
   return twice_area > kThinnest * longest * longest;
@@ -198,13 +197,14 @@ bool has_area(const TriangleCorners& c) {
 
 Result<std::vector<TriangleCorners>> parse_stl(std::string_view bytes, std::string_view what) {
   if (bytes.size() > kMaxStlBytes)
-    return refuse(what, "is larger than the " + std::to_string(kMaxStlBytes) + " bytes allowed");
+    return refuse_file(what,
+                       "is larger than the " + std::to_string(kMaxStlBytes) + " bytes allowed");
   const bool fits = bytes.size() >= kHeaderBytes && promised_bytes(bytes) == bytes.size();
   const std::size_t first = std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size());
   if (!fits && bytes.substr(first, 5) == "solid") return AsciiReader(bytes, what).read();
   if (bytes.size() < kHeaderBytes)
-    return refuse(what, "has " + std::to_string(bytes.size()) +
-                            " bytes and does not begin with 'solid': no STL file");
+    return refuse_file(what, "has " + std::to_string(bytes.size()) +
+                                 " bytes and does not begin with 'solid': no STL file");
   return parse_binary(bytes, what);
 }
 

@@ -1,5 +1,5 @@
-// Reads STL files, ASCII and binary (told apart by the size that a binary header promises). Strict: a
-// number that is none, a file that ends early, a triangle without area gives one line that says
+// Reads STL files, ASCII and binary (told apart by the size that a binary header promises). Strict:
+// a number that is none, a file that ends early, a triangle without area gives one line that says
 // where.
 #pragma once
 

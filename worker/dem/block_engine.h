@@ -86,7 +86,7 @@ class BlockEngine final : public Engine {
     std::vector<std::uint32_t> near_triangles;
     std::vector<MeshContact> mesh_contacts, old_mesh_contacts;  // touching, by grain
     std::vector<SurfaceMesh::Foot> feet;                        // scratch
-    core::Vec3 mean_velocity;  // when the order was built
+    core::Vec3 mean_velocity;                                   // when the order was built
     std::vector<WallRoom> rooms;
     double stray = 0;      // largest distance from the mean motion at the end of the horizon
     bool is_sound = true;  // no NaN
@@ -231,7 +231,7 @@ class BlockEngine final : public Engine {
   std::vector<std::uint8_t> fresh_;    // put in or set free since the order was built
   std::vector<core::Vec3> listed_at_;  // positions when the order was built
   std::vector<Block> blocks_;
-  std::size_t block_count_ = 0;  // blocks_ keeps its memory
+  std::size_t block_count_ = 0;                  // blocks_ keeps its memory
   std::vector<MeshContact> kept_mesh_contacts_;  // while the order is rebuilt
   CellOrder cells_;
 

@@ -1,6 +1,6 @@
 // Mesh walls in the block engine. Grains that may touch the mesh while the order lasts are listed
-// with the triangles in their reach; their contacts are found and pushed one by one, in double. What
-// is touched follows from positions alone, never from how long the lists are.
+// with the triangles in their reach; their contacts are found and pushed one by one, in double.
+// What is touched follows from positions alone, never from how long the lists are.
 #include <algorithm>
 #include <array>
 #include <stdexcept>
@@ -69,8 +69,8 @@ void BlockEngine::meet_mesh(Block& block, LineVector<GrainLoad>& desk) {
     while (old != block.old_mesh_contacts.end() && old->grain == row.grain) slots[known++] = *old++;
     const GrainMotion& motion = motion_[row.grain];
     const GrainSurface& surface = surface_[row.grain];
-    const TouchList touches = mesh_.touches(position_of(motion), surface.radius,
-                                            triangles_of(block, row), block.feet);
+    const TouchList touches =
+        mesh_.touches(position_of(motion), surface.radius, triangles_of(block, row), block.feet);
     if (touches.count == 0 && known == 0) continue;
     assign_touches(touches.all(), std::span<MeshContact>(slots));
     const MeshLaw& law = mesh_laws_[class_[row.grain]];

@@ -41,10 +41,10 @@ void book_last_half(const MeshContact& contact, const MeshLaw& law, const Approa
   const double half_step = 0.5 * law.time_step;
   const double normal = now.normal * dot(contact.velocity, contact.touch.normal);
   sums.normal_damping += half_step * law.law.normal_damping * normal;
-  sums.friction += law.effects.tangential_history
-                       ? half_step * law.law.tangential_damping *
-                             (dot(now.velocity, contact.velocity) - normal)
-                       : -half_step * dot(contact.spring, now.sliding);
+  sums.friction +=
+      law.effects.tangential_history
+          ? half_step * law.law.tangential_damping * (dot(now.velocity, contact.velocity) - normal)
+          : -half_step * dot(contact.spring, now.sliding);
 }
 
 void book_first_half(const ContactForce& force, const MeshLaw& law, const Approach& now,
@@ -56,9 +56,9 @@ void book_first_half(const ContactForce& force, const MeshLaw& law, const Approa
     return;
   }
   const Vec3 step = now.sliding * law.time_step;
-  sums.friction += half_step * law.law.tangential_damping * dot(now.sliding, now.sliding) +
-                   law.law.tangential_stiffness *
-                       dot(force.slip, force.spring + (force.slip - step) * 0.5);
+  sums.friction +=
+      half_step * law.law.tangential_damping * dot(now.sliding, now.sliding) +
+      law.law.tangential_stiffness * dot(force.slip, force.spring + (force.slip - step) * 0.5);
 }
 
 }  // namespace
@@ -90,8 +90,8 @@ void push(MeshContact& contact, const MeshLaw& law, const GrainMotion& motion,
   const Vec3 mean_spin =
       geometry.relative_spin + turning * (0.5 * law.spin_response * law.time_step);
   sums.rolling -= law.time_step * dot(force.rolling_torque, mean_spin);
-  sums.largest_overlap_ratio = std::max(sums.largest_overlap_ratio,
-                                        static_cast<float>(contact.touch.overlap / radius));
+  sums.largest_overlap_ratio =
+      std::max(sums.largest_overlap_ratio, static_cast<float>(contact.touch.overlap / radius));
   ++sums.contacts;
   add(load.force, inward * -force.normal + force.tangential);
   add(load.turning, turning + force.rolling_torque * (1 / radius));

@@ -1,6 +1,6 @@
-// A contact of a grain with the mesh in the block engine: the law of contact_law.h in double, booked
-// as the kernels book theirs (book() in kernels_body.h). The normal points from the mesh to the
-// grain.
+// A contact of a grain with the mesh in the block engine: the law of contact_law.h in double,
+// booked as the kernels book theirs (book() in kernels_body.h). The normal points from the mesh to
+// the grain.
 #pragma once
 
 #include <cstdint>

@@ -350,9 +350,9 @@ void PlainEngine::touch_mesh() {
   for (const Surroundings& near : near_mesh_) {
     const std::span<Candidate> slots = std::span(candidates_).subspan(near.candidate, kMostTouches);
     const Body& body = bodies_[slots[0].first];
-    TouchList touches = mesh_.touches(
-        map_.position_out(body.position), class_of(body).radius,
-        std::span(near_triangles_).subspan(near.begin, near.end - near.begin), feet_);
+    TouchList touches =
+        mesh_.touches(map_.position_out(body.position), class_of(body).radius,
+                      std::span(near_triangles_).subspan(near.begin, near.end - near.begin), feet_);
     for (std::size_t k = 0; k < touches.count; ++k) {
       touches.touch[k].normal = map_.direction_in(touches.touch[k].normal);
     }

@@ -71,13 +71,14 @@ class PlainEngine final : public Engine {
     std::int64_t second_id = 0;  // of a wall: same as `second`
     core::Vec3 spring = {};
     core::Vec3 velocity = {};  // relative, of the last step; while touching
-    SurfaceTouch touch = {};  // mesh only, engine axes
+    SurfaceTouch touch = {};   // mesh only, engine axes
     bool touching = false;
     bool is_met = false;  // mesh only: touched in this step
     bool is_wall() const { return second < 0; }
     std::size_t wall() const { return static_cast<std::size_t>(-1 - second); }
   };
-  // A grain near the mesh: the triangles in its reach, and the first of its kMostTouches candidates.
+  // A grain near the mesh: the triangles in its reach, and the first of its kMostTouches
+  // candidates.
   struct Surroundings {
     std::size_t candidate = 0;
     std::uint32_t begin = 0, end = 0;  // in near_triangles_

@@ -1,8 +1,8 @@
 // Walls made of triangles. A contact of a sphere with the mesh is a local minimum of the distance
 // from its centre to the surface, so that a shared edge or corner pushes once and a flat floor of
 // many triangles pushes like one plane; no connectivity is needed, and corners that lie on
-// another triangle's edge do no harm. Minima whose normals agree within kOneSurface are one contact,
-// the deepest of them: its potential is continuous from facet to facet of a curved wall.
+// another triangle's edge do no harm. Minima whose normals agree within kOneSurface are one
+// contact, the deepest of them: its potential is continuous from facet to facet of a curved wall.
 // Triangles act on both sides; the order of their corners means nothing.
 #pragma once
 

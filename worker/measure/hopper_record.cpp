@@ -44,9 +44,8 @@ void HopperRecord::add_to(core::Observation& observation) const {
     const core::MeanWithError mean = core::blocked_mean(rows);
     value.value = mean.mean;
     value.error = mean.half_width;
-    value.error_basis = mean.half_width
-                            ? "blocking over " + std::to_string(rows.size()) + " frames"
-                            : "too few frames for an interval";
+    value.error_basis = mean.half_width ? "blocking over " + std::to_string(rows.size()) + " frames"
+                                        : "too few frames for an interval";
   }
   observation.values.push_back(value);
   if (end < times_.size()) {

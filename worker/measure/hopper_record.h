@@ -1,5 +1,5 @@
-// What runs out of a hopper upstream of x = 0: its mass over time and the flow through the gate, with
-// a 95 % interval by blocking. Reads grains, changes nothing.
+// What runs out of a hopper upstream of x = 0: its mass over time and the flow through the gate,
+// with a 95 % interval by blocking. Reads grains, changes nothing.
 #pragma once
 
 #include <vector>

@@ -93,8 +93,7 @@ std::vector<dem::Triangle> triangles_of(const v1::Chute& chute) {
 
 // Where grains leave. A chute made of triangles alone still ends at its length when it is fed.
 double outlet_of(const v1::Chute& chute) {
-  const bool is_fed_mesh =
-      chute.triangles_size() > 0 && chute.inlet().feed() != v1::Inlet::NONE;
+  const bool is_fed_mesh = chute.triangles_size() > 0 && chute.inlet().feed() != v1::Inlet::NONE;
   const bool is_open = !chute.closed_end() && (!chute.no_walls() || is_fed_mesh);
   return is_open ? chute.length_m() : std::numeric_limits<double>::infinity();
 }

@@ -24,7 +24,8 @@ Hopper hopper_of(const v1::Chute& chute) {
   const v1::Inlet& inlet = chute.inlet();
   const double width = chute.width_m(), slot = inlet.hopper_opening_m();
   double diameter = 0;
-  for (const auto& particle : chute.particles()) diameter = std::max(diameter, particle.diameter_m());
+  for (const auto& particle : chute.particles())
+    diameter = std::max(diameter, particle.diameter_m());
   const double margin = kMargin * diameter;
   const double top = kGateHeight * (inlet.hopper_height_m() + inlet.hopper_length_m());
   Hopper hopper;

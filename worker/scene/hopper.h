@@ -12,8 +12,8 @@ namespace granary::scene {
 struct Hopper {
   double length = 0;  // m, from the back wall to the gate
   dem::Plane back;
-  dem::Plane shut;                   // the gate while the hopper is filled
-  std::vector<dem::Triangle> gate;   // the gate with its slot
+  dem::Plane shut;                  // the gate while the hopper is filled
+  std::vector<dem::Triangle> gate;  // the gate with its slot
 };
 
 // Precondition: a resolved chute with feed HOPPER.

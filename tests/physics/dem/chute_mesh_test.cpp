@@ -1,4 +1,5 @@
-// Claim: a chute whose walls come from an STL file is the chute made of planes, from the file to the
+// Claim: a chute whose walls come from an STL file is the chute made of planes, from the file to
+// the
 //   last bit of the run; the mesh of a job can be checkpointed; who has no file refuses.
 // Method: chute_small, 0.03 m long, 0.05 s, floor and side walls once as planes, once as an ASCII
 //   STL in millimetres; grains of both runs compared by id. Doubles, plain engine.

@@ -4,7 +4,8 @@
 //   degrees, 0.1 m long; slots of 15 and 22 mm; 0.252 s, whose last step is a frame.
 // Reference: mass is conserved; flow through a slot of height h: between h (a plug that leaves at a
 //   fixed speed) and (h - k d)^(3/2), k = 1.4 (Beverloo, for slots: Q ~ (W - k d)(h - k d)^(3/2)).
-// Tolerance: grains are counted; the two halves of the steady time agree within the sum of their 95 %
+// Tolerance: grains are counted; the two halves of the steady time agree within the sum of their 95
+// %
 //   intervals, as two estimates of one mean do in more than 99 % of all cases; the ratio of flows
 //   lies between both laws, widened by the intervals.
 // Seconds: 9
@@ -150,7 +151,8 @@ TEST(Hopper, restored_run_goes_on_bitwise) {
   resumed->restore(state);
   EXPECT_EQ(resumed->advance(1, kNoLimit).status, core::AdvanceStatus::finished);
   EXPECT_EQ(hash_of(*whole), hash_of(*resumed));
-  EXPECT_EQ(column(whole->observe(), "hopper_mass_kg"), column(resumed->observe(), "hopper_mass_kg"));
+  EXPECT_EQ(column(whole->observe(), "hopper_mass_kg"),
+            column(resumed->observe(), "hopper_mass_kg"));
 }
 
 }  // namespace

@@ -7,11 +7,12 @@
 // Reference: the plane (same law, no mesh); normal = (centre - nearest point) / distance; head-on
 //   restitution e_n.
 // Tolerance: plain engine: a plane through a triangle's corner and the plane itself differ by the
-//   rounding of centre - corner, 1 ulp of 0.1 m = 1.4e-17 m per step; the forces of one bead are not
-//   chaotic, so 20,000 steps stay below 1e-12 m. Streams amplify by e in 2 ms (PHYSICS G): 1000
+//   rounding of centre - corner, 1 ulp of 0.1 m = 1.4e-17 m per step; the forces of one bead are
+//   not chaotic, so 20,000 steps stay below 1e-12 m. Streams amplify by e in 2 ms (PHYSICS G): 1000
 //   steps of 1e-17 m, 10 ms, e^5: 2e-12 m if all rounding added up; 1e-12 m is asked for. Block
-//   engine: contacts with planes are in float there, those with the mesh in double: 1e-6 of the path
-//   for one bead; in the stream an impact is off by 6e-8 of 1 m/s, in 10 ms by 6e-10 m x e^5 = 1e-7.
+//   engine: contacts with planes are in float there, those with the mesh in double: 1e-6 of the
+//   path for one bead; in the stream an impact is off by 6e-8 of 1 m/s, in 10 ms by 6e-10 m x e^5 =
+//   1e-7.
 // Seconds: 2
 #include <gtest/gtest.h>
 
@@ -43,7 +44,9 @@ dem::TouchList touches_at(const std::vector<dem::Triangle>& triangles, const Vec
 TEST(MeshTouch, flat_floor_is_touched_once_wherever_it_is_cut) {
   const auto floor = sheet({-0.01, -0.01, 0}, {0.02, 0, 0}, {0, 0.02, 0}, 20, 20);
   for (std::uint64_t k = 0; k < 2000; ++k) {
-    const auto random = [&](std::uint64_t stream) { return core::random_uniform(5, stream, k) - 0.5; };
+    const auto random = [&](std::uint64_t stream) {
+      return core::random_uniform(5, stream, k) - 0.5;
+    };
     // One in two straight above an edge or a node, where every side test is a tie.
     const bool on_grid = k % 2 == 0;
     Vec3 centre{0.015 * random(1), 0.015 * random(2), kRadius * (0.97 + 0.05 * random(3))};
@@ -130,8 +133,7 @@ TYPED_TEST(MeshWall, bead_takes_the_path_it_takes_on_a_plane) {
     plane.walls = {floor_plane()};
     mesh.triangles = cut_floor();
     TypeParam on_plane(plane), on_mesh(mesh);
-    const dem::Grain grain =
-        grain_at({0, 0, kRadius - 3e-7}, {0.15, 0.04, 0}, {20, -30, 10});
+    const dem::Grain grain = grain_at({0, 0, kRadius - 3e-7}, {0.15, 0.04, 0}, {20, -30, 10});
     insert_one(on_plane, grain);
     insert_one(on_mesh, grain);
     double largest = 0;
@@ -241,7 +243,8 @@ TYPED_TEST(MeshWall, stream_in_a_trough_of_triangles_follows_the_one_between_pla
 
 TYPED_TEST(MeshWall, energy_ledger_closes_as_between_planes) {
   TypeParam planes(trough_of_planes()), mesh(trough_of_triangles());
-  for (dem::Engine* engine : {static_cast<dem::Engine*>(&planes), static_cast<dem::Engine*>(&mesh)}) {
+  for (dem::Engine* engine :
+       {static_cast<dem::Engine*>(&planes), static_cast<dem::Engine*>(&mesh)}) {
     pour(*engine);
     engine->advance(4000);
     const core::EnergyLedger& ledger = engine->ledger();

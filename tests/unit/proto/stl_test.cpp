@@ -33,7 +33,8 @@ const std::array<float, 9> kCorner = {0, 0, 0, 2, 0, 0, 0, 3, 0.5F};
 
 std::string ascii(const std::string& third_corner) {
   return "solid of a test\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 2.0 0 0\n"
-         "   vertex " + third_corner + "\n  endloop\n endfacet\nendsolid\n";
+         "   vertex " +
+         third_corner + "\n  endloop\n endfacet\nendsolid\n";
 }
 
 TEST(Stl, ascii_and_binary_give_the_same_triangles) {
