@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "proto/contract/resolve.h"
+#include "proto/contract/scene_meshes.h"
 #include "proto/contract/scene_text.h"
 
 namespace granary::tests {
@@ -18,10 +19,13 @@ inline v1::Scene shipped_scene(const std::string& name, const std::vector<FieldS
   std::ifstream file(path);
   std::stringstream text;
   text << file.rdbuf();
-  const Result<v1::Scene> scene = load_scene(text.str(), path, set);
+  Result<v1::Scene> scene = load_scene(text.str(), path, set);
   if (!scene) {
     ADD_FAILURE() << scene.error().message;
     return {};
+  }
+  if (const Status status = inline_meshes(*scene, path); !status) {
+    ADD_FAILURE() << status.error().message;
   }
   const Result<ResolvedScene> resolved = resolve(*scene);
   if (!resolved) {

@@ -73,6 +73,7 @@ class BlockEngine final : public Engine {
   struct MeshRow {
     std::uint32_t grain = 0;  // place in the arrays
     std::uint32_t begin = 0, end = 0;
+    double room = 0;  // m, that the grain may still move before it can touch one of them
   };
   struct Block {
     BlockRange range;
@@ -149,6 +150,8 @@ class BlockEngine final : public Engine {
   void collect_mesh(Block& block);
   static std::span<const std::uint32_t> triangles_of(const Block& block, const MeshRow& row);
   void meet_mesh(Block& block, LineVector<GrainLoad>& desk);
+  void meet_row(Block& block, const MeshRow& row, std::span<const MeshContact> known,
+                const TouchList& touches, LineVector<GrainLoad>& desk);
   void end_mesh_at_outlet(Block& block);
   void keep_mesh_contacts();
   void move_mesh_contacts(std::span<const std::uint32_t> place);

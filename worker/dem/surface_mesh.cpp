@@ -158,17 +158,21 @@ bool SurfaceMesh::is_minimum(const Foot& foot, std::span<const Foot> feet, doubl
 
 TouchList SurfaceMesh::touches(const Vec3& centre, double radius,
                                std::span<const std::uint32_t> near, std::vector<Foot>& feet) const {
+  TouchList list;
   feet.clear();
   for (const std::uint32_t triangle : near) {
     const Facet& facet = facets_[triangle];
-    if (std::abs(dot(centre - facet.corner[0], facet.normal)) >= radius) continue;
-    const Foot foot = foot_on(triangle, centre);
-    if (foot.distance < radius) feet.push_back(foot);
+    double distance = std::abs(dot(centre - facet.corner[0], facet.normal));
+    if (distance < radius) {
+      const Foot foot = foot_on(triangle, centre);
+      distance = foot.distance;
+      if (distance < radius) feet.push_back(foot);
+    }
+    if (distance >= radius) list.room = std::min(list.room, distance - radius);
   }
   std::sort(feet.begin(), feet.end(), [](const Foot& l, const Foot& r) {
     return l.distance != r.distance ? l.distance < r.distance : l.triangle < r.triangle;
   });
-  TouchList list;
   for (const Foot& foot : feet) {
     if (list.count == kMostTouches) break;
     const auto found = list.all();

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -32,6 +33,8 @@ struct SurfaceTouch {
 struct TouchList {
   std::array<SurfaceTouch, kMostTouches> touch;
   std::size_t count = 0;
+  // No triangle of the list that is not touched is nearer to the sphere than this [m].
+  double room = std::numeric_limits<double>::infinity();
   std::span<const SurfaceTouch> all() const { return {touch.data(), count}; }
 };
 

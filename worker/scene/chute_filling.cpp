@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "worker/core/random.h"
+#include "worker/dem/surface_mesh.h"
 
 namespace granary::scene {
 namespace {
@@ -54,10 +55,13 @@ std::uint8_t draw_class(const ChutePlan& plan, std::uint64_t grain) {
   return static_cast<std::uint8_t>(plan.engine.classes.size() - 1);
 }
 
-std::vector<dem::Grain> loose_grid(const ChutePlan& plan) {
+// Sites that the mesh runs through stay empty.
+std::vector<dem::Grain> loose_grid(const ChutePlan& plan, const dem::SurfaceMesh& mesh) {
   const Grid grid = grid_of(plan);
-  std::vector<dem::Grain> grains(plan.initial_count);
-  for (std::size_t k = 0; k < grains.size(); ++k) {
+  std::vector<dem::Grain> grains;
+  std::vector<std::uint32_t> in_the_way;
+  for (std::size_t site = 0; grains.size() < plan.initial_count; ++site) {
+    const std::size_t k = grains.size();
     const auto noise = [&](std::uint64_t axis) {
       return kJitter * 2 * largest_radius(plan) *
              (2 * core::random_uniform(plan.seed, 12, 3 * k + axis) - 1);
@@ -65,11 +69,16 @@ std::vector<dem::Grain> loose_grid(const ChutePlan& plan) {
     const auto centre = [&](std::size_t cell) {
       return (static_cast<double>(cell) + 0.5) * grid.spacing;
     };
-    const std::size_t level = k / (grid.along * grid.across);
-    const std::size_t in_level = k % (grid.along * grid.across);
-    grains[k].position = {grid.begin + centre(in_level / grid.across) + noise(0),
-                          centre(in_level % grid.across) + noise(1), centre(level) + noise(2)};
-    grains[k].grain_class = draw_class(plan, k);
+    const std::size_t level = site / (grid.along * grid.across);
+    const std::size_t in_level = site % (grid.along * grid.across);
+    dem::Grain grain;
+    grain.position = {grid.begin + centre(in_level / grid.across) + noise(0),
+                      centre(in_level % grid.across) + noise(1), centre(level) + noise(2)};
+    in_the_way.clear();
+    mesh.add_near(grain.position, largest_radius(plan), in_the_way);
+    if (!in_the_way.empty()) continue;
+    grain.grain_class = draw_class(plan, k);
+    grains.push_back(grain);
   }
   return grains;
 }
@@ -92,7 +101,7 @@ std::unique_ptr<dem::Engine> make_filling(const ChutePlan& plan) {
     setup.walls.push_back({{plan.geometry.length, 0, 0}, {-1, 0, 0}});
   }
   std::unique_ptr<dem::Engine> engine = dem::make_engine(setup);
-  engine->insert(loose_grid(plan));
+  engine->insert(loose_grid(plan, dem::SurfaceMesh(setup.triangles)));
   return engine;
 }
 

@@ -100,6 +100,19 @@ TEST(ChuteMesh, walls_from_an_stl_file_are_the_walls_made_of_planes) {
   EXPECT_EQ(mesh->observe().values.size(), planes->observe().values.size());
 }
 
+// Grains of a settled bed are put in around a wedge on the floor, not into its sides.
+TEST(ChuteMesh, bed_settles_around_a_wedge) {
+  const v1::Scene scene = shipped_scene("chute_splitter", {{"chute.inlet.feed", "NONE"},
+                                                           {"chute.closed_end", "true"},
+                                                           {"chute.initial_count", "3000"},
+                                                           {"chute.duration_s", "0.01"},
+                                                           {"chute.sample_start_s", "0"}});
+  ASSERT_EQ(scene.chute().triangles_size(), 7);
+  const auto run = scene::make_chute(scene);
+  EXPECT_EQ(run->advance(1, kNoLimit).status, core::AdvanceStatus::finished);
+  EXPECT_EQ(run->progress().particles, 3000U);
+}
+
 TEST(ChuteMesh, restored_run_goes_on_bitwise) {
   const auto hash_of = [](const core::Simulation& simulation) {
     return core::hash_columns(simulation.physical_state());
