@@ -89,7 +89,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--export", options.export_file, "write a result file in another form to the folder -o")
       ->needs("--output");
   app.add_option("--to", options.export_form, "form of --export")
-      ->check(CLI::IsMember({"csv", "svg"}))
+      ->check(CLI::IsMember({"csv", "svg", "xyz", "paraview"}))
       ->capture_default_str();
   app.add_option("--salvage", options.salvage_directory,
                  "make a result file (-o) of the frames in the .parts of an unfinished run")
