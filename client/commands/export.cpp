@@ -95,7 +95,9 @@ void add_export(CommandLine& line) {
   CLI::App& verb = line.verb("export", "Write a job's result in another form",
                              "granary export jobs/12 --to csv -o tables");
   verb.add_option("JOB", *name, "job name")->required()->type_name("");
-  verb.add_option("--to", *form, "csv: tables; svg: one picture; xyz: frames for OVITO; paraview: frames (.pvd, .vtp)")
+  verb.add_option(
+          "--to", *form,
+          "csv: tables; svg: one picture; xyz: frames for OVITO; paraview: frames (.pvd, .vtp)")
       ->required()
       ->check(CLI::IsMember({"csv", "svg", "xyz", "paraview"}))
       ->type_name("FORM");

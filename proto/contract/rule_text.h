@@ -7,9 +7,10 @@
 
 namespace granary {
 
-inline Error refuse(const std::string& path, const std::string& what) {
-  return {ErrorCode::invalid_argument, path + ": " + what, path};
-}
+// Names and values of a scene may hold anything: control characters become '?'.
+std::string one_line(std::string text);
+
+Error refuse(const std::string& path, const std::string& what);
 
 // Six significant digits, enough to tell a value from its limit.
 std::string number(double value);

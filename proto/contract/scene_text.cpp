@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "proto/contract/field_path.h"
+#include "proto/contract/rule_text.h"
 #include "proto/contract/scene_rules.h"
 
 namespace granary {
@@ -297,8 +298,10 @@ Result<Lines> parse_message(std::string_view text, std::string_view file_name, M
   return lines;
 }
 
-Result<v1::Scene> load_scene(std::string_view text, std::string_view file_name,
-                             std::span<const FieldSetting> settings) {
+namespace {
+
+Result<v1::Scene> load(std::string_view text, std::string_view file_name,
+                       std::span<const FieldSetting> settings) {
   auto parsed = parse_scene(text, file_name);
   if (!parsed) return parsed.error();
   for (const auto& [path, value] : settings) {
@@ -317,6 +320,16 @@ Result<v1::Scene> load_scene(std::string_view text, std::string_view file_name,
     return Error{error.code, where + error.message, error.field_path};
   }
   return parsed->scene;
+}
+
+}  // namespace
+
+Result<v1::Scene> load_scene(std::string_view text, std::string_view file_name,
+                             std::span<const FieldSetting> settings) {
+  auto scene = load(text, file_name, settings);
+  if (scene) return scene;
+  const Error& error = scene.error();
+  return Error{error.code, one_line(error.message), error.field_path};
 }
 
 std::string scene_to_text(const v1::Scene& scene) {

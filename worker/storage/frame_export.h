@@ -1,6 +1,6 @@
-// The frames of a result file in the forms that viewers of particles read: extended XYZ (OVITO, ASE) and
-// VTK polygonal data with a collection over time (ParaView). All particles, SI units, plane scenes at
-// z = 0. Existing files of these names are replaced. Throws StorageError.
+// The frames of a result file in the forms that viewers of particles read: extended XYZ (OVITO,
+// ASE) and VTK polygonal data with a collection over time (ParaView). All particles, SI units,
+// plane scenes at z = 0. Existing files of these names are replaced. Throws StorageError.
 #pragma once
 
 #include <vector>

@@ -106,6 +106,14 @@ TEST(SceneText, text_that_is_not_utf8_is_refused_with_its_field) {
   EXPECT_TRUE(parse_scene("name: \"K\xc3\xb6rner \xe2\x82\xac \xf0\x9f\x8c\xbe\"", "s.txtpb").ok());
 }
 
+// Found by fuzzing: a key may hold what would break the line.
+TEST(SceneText, errors_are_one_line_whatever_the_keys_hold) {
+  const auto scene = load_scene("{\"di\\n: 20, 0.01od\": \"3\"}", "scene.json", {});
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(scene.error().message.find('\n'), std::string::npos) << scene.error().message;
+  EXPECT_THAT(scene.error().message, HasSubstr("di?: 20"));
+}
+
 TEST(SetField, takes_paths_indices_and_bare_enums) {
   v1::Scene scene;
   EXPECT_TRUE(set_field(scene, "chute.particles[0].diameter_m", "0.003").ok());
