@@ -118,7 +118,9 @@ class AsciiReader {
   }
 
   std::optional<Error> unexpected(const std::string& found, const std::string& wanted) const {
-    const std::string shown = found.substr(0, 40);
+    std::string shown = found.substr(0, 40);
+    std::replace_if(
+        shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
     return refuse_file(what_, where() +
                                   (found.empty() ? " ends the file" : " has '" + shown + "'") +
                                   " where '" + wanted + "' belongs");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "worker/dem/leaver_columns.h"
 #include "worker/dem/plain_engine.h"
 
 namespace granary::dem {
@@ -17,8 +18,6 @@ void push(std::vector<double>& values, const Vec3& v) {
 Vec3 vector_at(const std::vector<double>& values, std::size_t row) {
   return {values[3 * row], values[3 * row + 1], values[3 * row + 2]};
 }
-
-constexpr std::size_t kLeaverWidth = 9;  // time, position, velocity, diameter, mass
 
 }  // namespace
 
@@ -44,18 +43,8 @@ core::State PlainEngine::snapshot() const {
     push(contact_velocity, candidate.velocity);
     push(contact_normal, candidate.touch.normal);
   }
-  std::vector<double> leavers;
-  std::vector<std::int64_t> leaver_id;
-  for (const Leaver& leaver : leavers_) {
-    leavers.push_back(leaver.time);
-    push(leavers, leaver.position);
-    push(leavers, leaver.velocity);
-    leavers.insert(leavers.end(), {leaver.diameter, leaver.mass});
-    leaver_id.push_back(leaver.id);
-  }
   core::State state;
-  state.put("dem.leavers", "SI", leavers, kLeaverWidth);
-  state.put("dem.leaver_id", "1", leaver_id);
+  put_leavers(state, leavers_);
   state.put("dem.position_m", "m", position, 3);
   state.put("dem.velocity_half_m_per_s", "m/s", velocity, 3);
   state.put("dem.spin_half_rad_per_s", "rad/s", spin, 3);
@@ -133,14 +122,7 @@ void PlainEngine::restore(const core::State& state) {
   }
   contacts_.clear();
   list_is_void_ = true;
-  const auto leaver_id = state.get<std::int64_t>("dem.leaver_id");
-  const auto leavers = state.get<double>("dem.leavers");
-  leavers_.clear();
-  for (std::size_t k = 0; k < leaver_id.size(); ++k) {
-    const double* row = &leavers[k * kLeaverWidth];
-    leavers_.push_back(
-        {row[0], leaver_id[k], {row[1], row[2], row[3]}, {row[4], row[5], row[6]}, row[7], row[8]});
-  }
+  leavers_ = get_leavers(state);
   restore_scalars(state);
 }
 

@@ -17,6 +17,8 @@ constexpr double kSensorLines[] = {0.0175, 0.0475, 0.0675};  // m across
 constexpr const char* kSensorNames[] = {"y17mm", "y47mm", "y67mm"};
 constexpr double kSliceWidth = 0.025;  // m, of the solid-fraction strips
 constexpr std::size_t kLeaverColumns = 8;
+// Times are step numbers times the step: they miss what they stand for by some ulp, relative.
+constexpr double kTimeRounding = 1e-12;
 
 std::vector<double> stations_of(double length) {
   std::vector<double> stations;
@@ -44,7 +46,7 @@ std::string station_name(double station, const std::string& what, const std::str
 
 ChuteObserver::ChuteObserver(const ChuteGeometry& g, double sample_start, bool is_mixture)
     : geometry_(g),
-      sample_start_(sample_start),
+      sample_start_(sample_start * (1 - kTimeRounding)),
       is_mixture_(is_mixture),
       stations_(stations_of(g.length)),
       surface_(g.length, g.width),

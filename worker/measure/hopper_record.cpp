@@ -6,6 +6,11 @@
 #include "worker/core/blocking.h"
 
 namespace granary::measure {
+namespace {
+
+constexpr double kTimeRounding = 1e-12;  // relative, of a frame's time
+
+}  // namespace
 
 void HopperRecord::sample(double time, const dem::GrainTable& grains) {
   double mass = 0;
@@ -35,7 +40,9 @@ void HopperRecord::add_to(core::Observation& observation) const {
   core::ObservedValue value{"hopper_flow_kg_per_s", "kg/s", std::nullopt, std::nullopt,
                             "no frame in the sampling time with a hopper that is full enough"};
   const std::vector<double> flow = flows();
-  const auto sampled = std::upper_bound(times_.begin(), times_.end(), sample_start_);
+  // The flow of a frame is that since the frame before: the one at sample_start is too early.
+  const double begin = sample_start_ * (1 + kTimeRounding);
+  const auto sampled = std::upper_bound(times_.begin(), times_.end(), begin);
   const auto first = static_cast<std::size_t>(sampled - times_.begin());
   const std::size_t end = steady_end();
   if (first < end) {

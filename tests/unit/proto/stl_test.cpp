@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <random>
 
 #include "proto/contract/scene_meshes.h"
 #include "proto/contract/scene_text.h"
@@ -83,6 +86,36 @@ TEST(Stl, bad_files_are_refused_with_one_line_that_says_where) {
     EXPECT_THAT(triangles.error().message, StartsWith("part.stl: "));
     EXPECT_EQ(triangles.error().message.find('\n'), std::string::npos);
   }
+}
+
+// Bytes cut and changed at random: triangles with an area, or one line.
+TEST(Stl, hostile_bytes_give_sound_triangles_or_one_line) {
+  const std::string seeds[] = {binary({kCorner, kCorner, kCorner}, 3), ascii("0 3 0")};
+  std::mt19937 random(7);
+  const auto below = [&](std::size_t limit) { return random() % limit; };
+  int refused = 0;
+  for (int k = 0; k < 4000; ++k) {
+    std::string bytes = seeds[below(2)];
+    if (below(3) == 0) bytes.resize(below(bytes.size() + 1));
+    for (std::size_t changes = below(4); changes > 0 && !bytes.empty(); --changes) {
+      bytes[below(bytes.size())] = static_cast<char>(below(256));
+    }
+    const auto triangles = parse_stl(bytes, "h.stl");
+    if (!triangles) {
+      ++refused;
+      const std::string& line = triangles.error().message;
+      EXPECT_THAT(line, StartsWith("h.stl: "));
+      EXPECT_TRUE(
+          std::all_of(line.begin(), line.end(), [](char c) { return c >= ' ' && c <= '~'; }));
+      continue;
+    }
+    for (const TriangleCorners& corners : *triangles) {
+      EXPECT_TRUE(has_area(corners));
+      for (const double value : corners) EXPECT_TRUE(std::isfinite(value));
+    }
+  }
+  EXPECT_GT(refused, 500);
+  EXPECT_LT(refused, 3900);
 }
 
 // ---------------------------------------------------------------------------- named by a scene

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "worker/measure/chute_depth.h"
@@ -173,6 +174,20 @@ TEST(ChuteObserver, restored_observer_goes_on_as_if_never_stopped) {
     for (std::size_t c = 0; c < expected.fields[k].columns.size(); ++c) {
       EXPECT_EQ(expected.fields[k].columns[c].bytes, actual.fields[k].columns[c].bytes);
     }
+  }
+}
+
+// The step 10 x 1e-6 is one ulp short of 1e-5, and its multiples of what they stand for.
+TEST(ChuteObserver, frame_due_at_the_start_of_sampling_counts_whatever_the_rounding) {
+  for (const double step : {1e-5, 10 * 1e-6, 8e-6}) {
+    ChuteObserver observer({0.3, 0.08}, 0.2, false);
+    for (int frame = 0; frame < 3; ++frame) {
+      const double steps = std::round((0.19 + 0.01 * frame) / step);
+      observer.sample(steps * step, stack_of(frame == 1 ? 4 : 2), {});
+    }
+    const core::Observation seen = observer.observe();
+    ASSERT_EQ(seen.values[0].name, "particle_count");
+    EXPECT_EQ(seen.values[0].value, 3) << step;  // of the last two frames
   }
 }
 
