@@ -150,6 +150,13 @@ void add_scenes(std::vector<HardCase>& cases) {
   };
   cases.push_back({"dem_one_bead", placed(bead(20, 40, 30)), {}});
   cases.push_back({"dem_no_bead", placed(""), {}});
+  // 4 mm in a step: without a look at speeds it would pass the wall of triangles untouched.
+  cases.push_back({"dem_bullet_at_a_mesh",
+                   placed(bead(22, 40, 30, "vx_m_per_s: 400"), {},
+                          "triangles { vertices_m: [0.1, 0, 0, 0.1, 0.08, 0, 0.1, 0.04, 0.2] }\n"),
+                   {},
+                   End::unstable,
+                   "normal_stiffness_n_per_m"});
   cases.push_back({"dem_blocked_outlet", fed("closed_end: true\n"), {}});
   // 56 g of centrifugal acceleration at 0.2 m: impacts of several metres per second.
   cases.push_back({"dem_500_rpm_soft",

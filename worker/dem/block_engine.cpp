@@ -385,8 +385,10 @@ void BlockEngine::count_free() {
 
 void BlockEngine::watch() {
   bool sound = true;
+  double path = 0;
   for (std::size_t b = 0; b < block_count_; ++b) {
     sound = sound && blocks_[b].is_sound;
+    path = std::max(path, blocks_[b].path_ratio);
     const double ratio = blocks_[b].sums.largest_overlap_ratio;
     largest_overlap_ratio_ = std::max(largest_overlap_ratio_, ratio);
   }
@@ -394,7 +396,22 @@ void BlockEngine::watch() {
     trouble_ = not_a_number(time(), broken_ids());
   } else if (largest_overlap_ratio_ > kLargestSoundOverlap) {
     trouble_ = overlap_too_deep(time(), largest_overlap_ratio_, deepest_ids());
+  } else if (path > kLongestSoundPath) {
+    trouble_ = path_too_long(time(), path, fast_ids());
   }
+}
+
+double BlockEngine::path_ratio(std::size_t grain) const {
+  const double* v = motion_[grain].velocity;
+  return setup_.time_step * norm(Vec3{v[0], v[1], v[2]}) / surface_[grain].radius;
+}
+
+std::vector<std::int64_t> BlockEngine::fast_ids() const {
+  std::vector<std::int64_t> ids;
+  for (std::size_t k = 0; k < motion_.size(); ++k) {
+    if (path_ratio(k) > kLongestSoundPath) ids.push_back(id_[k]);
+  }
+  return ids;
 }
 
 std::vector<std::int64_t> BlockEngine::broken_ids() const {

@@ -89,8 +89,9 @@ class BlockEngine final : public Engine {
     std::vector<SurfaceMesh::Foot> feet;                        // scratch
     core::Vec3 mean_velocity;                                   // when the order was built
     std::vector<WallRoom> rooms;
-    double stray = 0;      // largest distance from the mean motion at the end of the horizon
-    bool is_sound = true;  // no NaN
+    double stray = 0;       // largest distance from the mean motion at the end of the horizon
+    bool is_sound = true;   // no NaN
+    double path_ratio = 0;  // longest path of a step / radius
     bool has_carried = false;
     bool nears_outlet = false;
     ContactSums sums;        // since the order was built
@@ -117,6 +118,8 @@ class BlockEngine final : public Engine {
   void gather_leavers();
   void watch();
   std::vector<std::int64_t> broken_ids() const;
+  std::vector<std::int64_t> fast_ids() const;
+  double path_ratio(std::size_t grain) const;  // of the last step / radius
   std::vector<std::int64_t> deepest_ids() const;
   void divide_work();
   void count_free();

@@ -72,12 +72,14 @@ void BlockEngine::measure_stray(Block& block) const {
   const Vec3 mean_path = block.mean_velocity * span;
   double largest = 0;
   block.is_sound = true;
+  block.path_ratio = 0;
   for (std::uint32_t k = block.range.first; k < block.range.first + block.range.count; ++k) {
     const Vec3 off =
         position_of(motion_[k]) + velocity_of(motion_[k]) * horizon - listed_at_[k] - mean_path;
     const double square = dot(off, off);
     if (!std::isfinite(square)) block.is_sound = false;
     largest = std::max(largest, square);
+    block.path_ratio = std::max(block.path_ratio, path_ratio(k));
   }
   block.stray = std::sqrt(largest);
 }

@@ -291,7 +291,18 @@ void PlainEngine::watch() {
     trouble_ = not_a_number(time(), {broken->id});
   } else if (largest_overlap_ratio_ > kLargestSoundOverlap) {
     trouble_ = overlap_too_deep(time(), largest_overlap_ratio_, deepest_ids());
+  } else {
+    const auto fastest = std::max_element(
+        bodies_.begin(), bodies_.end(),
+        [this](const Body& l, const Body& r) { return path_ratio(l) < path_ratio(r); });
+    if (fastest == bodies_.end() || path_ratio(*fastest) <= kLongestSoundPath) return;
+    trouble_ = path_too_long(time(), path_ratio(*fastest), {fastest->id});
   }
+}
+
+double PlainEngine::path_ratio(const Body& body) const {
+  const Vec3 velocity = body.velocity_half - map_.wall_velocity(body.position);
+  return setup_.time_step * norm(velocity) / class_of(body).radius;
 }
 
 // Of the last step: the pair that overlaps most, or may have parted since.

@@ -113,6 +113,7 @@ class PlainEngine final : public Engine {
   void log_if_leaving(const Body& body);
   void watch();
   std::vector<std::int64_t> deepest_ids() const;
+  double path_ratio(const Body& body) const;  // of a step in the chute's axes / radius
 
   const GrainClass& class_of(const Body& body) const { return setup_.classes[body.grain_class]; }
   const ContactCoefficients& law_of(const Candidate& candidate) const;

@@ -13,6 +13,11 @@ namespace granary::dem {
 // Overlap / radius; beyond, the linear law means nothing.
 inline constexpr double kLargestSoundOverlap = 0.5;
 
+// Path of one step / radius; beyond, a grain may be through a wall of triangles, or through another
+// grain, without ever having touched it.
+inline constexpr double kLongestSoundPath = 0.5;
+
+core::Rejection path_too_long(double time, double path_ratio, std::vector<std::int64_t> ids);
 core::Rejection not_a_number(double time, std::vector<std::int64_t> ids);
 core::Rejection overlap_too_deep(double time, double overlap_ratio, std::vector<std::int64_t> ids);
 

@@ -14,6 +14,10 @@ namespace {
 
 using core::Vec3;
 
+template <typename Engine>
+class Sentinels : public ::testing::Test {};
+TYPED_TEST_SUITE(Sentinels, tests::DemEngines);
+
 constexpr double kLength = 0.3;
 constexpr std::uint64_t kSteps = 700;
 
@@ -246,6 +250,27 @@ TEST(BlockEngine, sentinel_stops_a_run_that_tears_itself_apart) {
   engine.advance(5000);
   ASSERT_TRUE(engine.trouble().has_value());
   EXPECT_FALSE(engine.trouble()->reason.empty());
+}
+
+// Faster than half a radius in a step a grain could pass a wall of triangles untouched.
+TYPED_TEST(Sentinels, grain_that_outruns_the_step_is_told) {
+  EngineSetup setup = tests::base_setup(1e-5);
+  setup.triangles = {{{0, -1, -1}, {0, 1, -1}, {0, 0, 1}}};
+  const double fastest = 0.5 * 0.0015 / 1e-5;  // m/s
+  for (const double speed : {0.9 * fastest, 6 * fastest}) {
+    TypeParam engine(setup);
+    tests::insert_one(engine, tests::grain_at({-0.5, 0, 0}, {speed, 0, 0}));
+    tests::insert_one(engine, tests::grain_at({-0.5, 0.1, 0}, {0, 0, 0}));
+    engine.advance(100);
+    if (speed < fastest) {
+      EXPECT_FALSE(engine.trouble().has_value());
+      continue;
+    }
+    ASSERT_TRUE(engine.trouble().has_value());
+    EXPECT_EQ(engine.trouble()->cause, core::Cause::speed);
+    EXPECT_EQ(engine.trouble()->ids, std::vector<std::int64_t>{0});
+    EXPECT_EQ(engine.trouble()->suggestion, "a smaller chute.time_step_s");
+  }
 }
 
 }  // namespace
