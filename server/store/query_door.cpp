@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <unordered_set>
 
+#include "proto/contract/rule_text.h"
 #include "server/store/scene_field_function.h"
 #include "server/store/series_function.h"
 
@@ -188,7 +189,8 @@ class Door {
 
   Error error_of(int status) {
     if (!stopped_.message.empty()) return stopped_;
-    const std::string message = sqlite3_errmsg(connection_.get());
+    const std::string message =
+        one_line(sqlite3_errmsg(connection_.get()));  // it quotes the statement
     const bool a_view_is_written = message.rfind("cannot modify", 0) == 0;
     if (status == SQLITE_AUTH || denied_ || a_view_is_written) return refused(message);
     if (status == SQLITE_NOMEM || status == SQLITE_TOOBIG)

@@ -110,6 +110,13 @@ TEST_F(QueryDoor, gives_values_errors_costs_and_scene_fields_of_a_job) {
   EXPECT_TRUE(std::holds_alternative<std::monostate>(rows.rows[0][8]));
 }
 
+// Found by fuzzing: SQLite quotes what it cannot read.
+TEST_F(QueryDoor, a_refusal_is_one_line_whatever_the_statement_holds) {
+  const Status status = ask("[\n\n\n");
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.error().message.find('\n'), std::string::npos) << status.error().message;
+}
+
 TEST_F(QueryDoor, every_view_of_the_contract_is_there_with_its_columns) {
   const std::vector<std::pair<std::string, std::string>> contract = {
       {"jobs", "job, kind, state, owner, tags, study, submitted"},
