@@ -1,6 +1,7 @@
 // granary price: what accuracy costs. Runs the ladders as a study, prints error against seconds and
 // memory with the knee marked; -o FILE.svg draws it.
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -61,7 +62,7 @@ Json value_or_null(const v1::Quantity* quantity) {
 
 render::Table price_table(const v1::Study& study, const render::Table& points) {
   render::Table table{{"setting", "rung", "observable", "value", "error", "relative_error", "bias",
-                       "verdict", "cpu_s", "memory_bytes", "knee", "job"},
+                       "verdict", "cpu_s", "memory_bytes", "ledger_remainder", "knee", "job"},
                       {}};
   for (const auto& point : points.rows) {
     const std::string rung = point[0], observable = point[1];
@@ -71,7 +72,8 @@ render::Table price_table(const v1::Study& study, const render::Table& points) {
     table.rows.push_back({path_of(rung), std::stod(value_of(rung)), observable, point[2], point[3],
                           relative, value_or_null(figure(study, "bias|" + rung + "|" + observable)),
                           verdict_of(study, rung, observable), point[4],
-                          value_or_null(figure(study, "memory|" + rung)), is_knee(study, rung),
+                          value_or_null(figure(study, "memory|" + rung)),
+                          value_or_null(figure(study, "remainder|" + rung)), is_knee(study, rung),
                           point[5]});
   }
   return table;
@@ -85,9 +87,9 @@ std::vector<render::PricePlotLine> plot_lines(const render::Table& table) {
     const std::string setting = row[0];
     const std::string name = setting.substr(setting.rfind('.') + 1);
     if (lines.empty() || lines.back().name != name) lines.push_back({name, {}});
-    char label[64];
-    std::snprintf(label, sizeof label, "%s=%.3g", name.c_str(), double(row[1]));
-    lines.back().points.push_back({double(row[8]), double(row[5]), label, bool(row[10])});
+    char label[32];
+    std::snprintf(label, sizeof label, "%.3g", double(row[1]));
+    lines.back().points.push_back({double(row[8]), double(row[5]), label, bool(row[11])});
   }
   return lines;
 }
@@ -96,8 +98,9 @@ Status draw(const std::string& file, const std::string& scene, const render::Tab
   if (table.rows.empty()) return Done{};
   const std::string observable = table.rows.front()[2];
   std::ofstream out(file, std::ios::binary);
-  out << render::price_plot_svg("What accuracy of " + observable + " costs: " + scene,
-                                plot_lines(table));
+  out << render::price_plot_svg(
+      "What accuracy of " + observable + " costs: " + std::filesystem::path(scene).stem().string(),
+      plot_lines(table));
   if (out.flush()) return Done{};
   return Error{ErrorCode::invalid_argument, "cannot write " + file, ""};
 }

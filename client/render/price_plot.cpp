@@ -103,14 +103,25 @@ std::string curve(const Frame& frame, const PricePlotLine& line, const char* col
     const double x = frame.at_x(point.cpu_s), y = frame.at_y(point.error);
     path += px(x) + "," + px(y) + " ";
     marks += "<circle cx=\"" + px(x) + "\" cy=\"" + px(y) + "\" r=\"4\" fill=\"" + colour +
-             "\"><title>" + escaped(point.label) + "</title></circle>\n";
+             "\"><title>" + escaped(line.name + " = " + point.label) + "</title></circle>\n";
     if (point.knee)
       marks += "<circle cx=\"" + px(x) + "\" cy=\"" + px(y) + "\" r=\"8\" fill=\"none\" stroke=\"" +
-               colour + "\" stroke-width=\"2\"/>\n" +
-               text_at(x + 11, y - 6, "start", point.label + " (knee)", "font-size=\"11\"");
+               colour + "\" stroke-width=\"2\"/>\n";
   }
   return "<polyline points=\"" + path + "\" fill=\"none\" stroke=\"" + colour +
          "\" stroke-width=\"1.5\"/>\n" + marks;
+}
+
+// Two rows: the line's name, and its knee, which has no room beside the points.
+std::string legend_entry(const PricePlotLine& line, const char* colour, double y) {
+  const double x = kWidth - kRight + 18;
+  std::string svg = "<circle cx=\"" + px(x) + "\" cy=\"" + px(y - 4) + "\" r=\"4\" fill=\"" +
+                    colour + "\"/>\n" + text_at(x + 10, y, "start", line.name);
+  const auto knee = std::find_if(line.points.begin(), line.points.end(),
+                                 [](const PricePlotPoint& point) { return point.knee; });
+  if (knee != line.points.end())
+    svg += text_at(x + 10, y + 14, "start", "knee: " + knee->label, "font-size=\"11\"");
+  return svg;
 }
 
 }  // namespace
@@ -129,10 +140,7 @@ std::string price_plot_svg(const std::string& title, const std::vector<PricePlot
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const char* colour = kColours[k % std::size(kColours)];
     svg += curve(frame, lines[k], colour);
-    const double y = kTop + 18 * static_cast<double>(k + 1);
-    svg += "<circle cx=\"" + px(kWidth - kRight + 18) + "\" cy=\"" + px(y - 4) +
-           "\" r=\"4\" fill=\"" + colour + "\"/>\n" +
-           text_at(kWidth - kRight + 28, y, "start", lines[k].name);
+    svg += legend_entry(lines[k], colour, kTop + 36 * static_cast<double>(k) + 18);
   }
   return svg + "</svg>\n";
 }

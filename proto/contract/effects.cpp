@@ -40,7 +40,7 @@ double target_of(const v1::Scene& scene) {
 
 // Range lost in flight ~ 0.45 (v/vt)^2 for the impact speed v; here v = throw speed at the tip and
 // the fall of one pulley radius, for the smallest disk as a sphere.
-Numbers discharge_gas(const v1::Discharge& d) {
+Numbers discharge_gas(const v1::Discharge& d, double target) {
   const double tip = d.pulley_radius_m() - d.bucket().tip_x_m();
   const double omega = d.has_rotation_rad_per_s() ? d.rotation_rad_per_s()
                                                   : std::sqrt(d.rademacher_ka() * 9.81 / tip);
@@ -51,7 +51,7 @@ Numbers discharge_gas(const v1::Discharge& d) {
                                       d.air_density_kg_per_m3(), d.air_viscosity_pa_s(), 9.81);
   Numbers n;
   n.number = vt > 0 ? 0.45 * speed2 / (vt * vt) : 0;
-  n.threshold = 0.02;
+  n.threshold = target;
   n.omitted_error = n.number;
   n.wanted = *n.number > *n.threshold;
   n.reason = "range lost by a lone disk in still air; an upper bound for a compact jet";
@@ -222,7 +222,7 @@ std::map<std::string, v1::EffectReport> decide_effects(const v1::Scene& scene) {
   };
   if (scene.has_discharge()) {
     const v1::Discharge& d = scene.discharge();
-    put("gas", e.has_gas(), e.gas(), discharge_gas(d));
+    put("gas", e.has_gas(), e.gas(), discharge_gas(d, target_of(scene)));
     put("rotating_frame", e.has_rotating_frame(), e.rotating_frame(),
         always("the bucket's walls move"));
     put("rolling_friction", e.has_rolling_friction(), e.rolling_friction(), discharge_rolling(d));

@@ -8,7 +8,9 @@
 namespace granary::server {
 namespace {
 
-constexpr const char* kMemory = "peak_rss_bytes";  // beside the values of a saved trial
+// Beside the values of a saved trial.
+constexpr const char* kMemory = "peak_rss_bytes";
+constexpr const char* kRemainder = "ledger_remainder_ratio";
 
 v1::Trial message_of(const ShortOutcome& outcome) {
   v1::Trial trial;
@@ -22,15 +24,23 @@ v1::Trial message_of(const ShortOutcome& outcome) {
     if (value.error) quantity.set_error(*value.error);
   }
   (*trial.mutable_values())[kMemory].set_value(outcome.peak_rss_bytes);
+  (*trial.mutable_values())[kRemainder].set_value(outcome.ledger_remainder_ratio);
   return trial;
 }
 
 ShortOutcome outcome_of(const v1::Trial& trial) {
-  ShortOutcome outcome{
-      trial.state() == v1::COMPLETE, trial.job(), trial.error(), trial.cpu_s(), 0, {}};
+  ShortOutcome outcome;
+  outcome.complete = trial.state() == v1::COMPLETE;
+  outcome.job = trial.job();
+  outcome.error = trial.error();
+  outcome.cpu_s = trial.cpu_s();
   for (const auto& [name, quantity] : trial.values()) {
     if (name == kMemory) {
       outcome.peak_rss_bytes = quantity.value();
+      continue;
+    }
+    if (name == kRemainder) {
+      outcome.ledger_remainder_ratio = quantity.value();
       continue;
     }
     ShortOutcome::Value& value = outcome.values[name];
@@ -49,6 +59,7 @@ void OutcomeList::add(const TrialOutcome& outcome) {
   kept.error = outcome.error;
   kept.cpu_s = outcome.result.cost().cpu_s();
   kept.peak_rss_bytes = static_cast<double>(outcome.result.cost().peak_rss_bytes());
+  kept.ledger_remainder_ratio = outcome.result.ledger().remainder_ratio();
   for (const auto& [name, quantity] : outcome.result.values()) {
     ShortOutcome::Value& value = kept.values[name];
     if (quantity.has_value()) value.value = quantity.value();

@@ -20,6 +20,7 @@ struct ShortOutcome {
   std::string error;
   double cpu_s = 0;
   double peak_rss_bytes = 0;
+  double ledger_remainder_ratio = 0;
   std::map<std::string, Value> values;
 };
 

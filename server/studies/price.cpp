@@ -123,6 +123,7 @@ class PriceStudy : public StudyGenerator {
 
   void add_replicate_rungs(std::vector<PricePoint>& points) const;
   void report_ladder(const Ladder& ladder, v1::StudySummary& summary) const;
+  std::string finest_bought(const Ladder& ladder) const;
 
   PricePlan plan_;
   std::vector<std::string> observables_;
@@ -155,8 +156,9 @@ void PriceStudy::report_ladder(const Ladder& ladder, v1::StudySummary& summary) 
       bias.set_error_basis(&rung == &rungs.back() ? "finest"
                            : off.shows()          ? "shows"
                                                   : "below noise");
-      figures["memory" + bar + rung_name(ladder.path, rung.rung->value)].set_value(
-          rung.outcome->peak_rss_bytes);
+      const std::string name = rung_name(ladder.path, rung.rung->value);
+      figures["memory" + bar + name].set_value(rung.outcome->peak_rss_bytes);
+      figures["remainder" + bar + name].set_value(rung.outcome->ledger_remainder_ratio);
     }
     if (!main_rungs.empty()) return;  // the first observable decides the knee
     main_rungs = rungs;
@@ -169,6 +171,26 @@ void PriceStudy::report_ladder(const Ladder& ladder, v1::StudySummary& summary) 
   if (knee != nullptr) figures["knee" + bar + ladder.path].set_value(knee->rung->value);
 }
 
+// What the finest rung has brought beyond the base scene's own, in the first observable.
+std::string PriceStudy::finest_bought(const Ladder& ladder) const {
+  const std::vector<Known> rungs = known(ladder, observables_.front());
+  const auto base = std::find_if(rungs.begin(), rungs.end(),
+                                 [](const Known& rung) { return rung.rung->inputs.empty(); });
+  if (base == rungs.end() || base + 1 == rungs.end()) return "";
+  const Known& finest = rungs.back();
+  const Difference off = difference(finest.level, base->level);
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "; %s instead of %.6g: %s %+.2g +- %.1g (%s), ledger remainder %.1e instead of "
+                "%.1e, %.1f times the CPU",
+                rung_name(ladder.path, finest.rung->value).c_str(), base->rung->value,
+                observables_.front().c_str(), off.value, off.half_width,
+                off.shows() ? "shows" : "below noise", finest.outcome->ledger_remainder_ratio,
+                base->outcome->ledger_remainder_ratio,
+                finest.outcome->cpu_s / base->outcome->cpu_s);
+  return text;
+}
+
 v1::StudySummary PriceStudy::summary() const {
   v1::StudySummary summary;
   std::string verdict;
@@ -178,6 +200,7 @@ v1::StudySummary PriceStudy::summary() const {
     if (knee == summary.figures().end()) continue;
     verdict += (verdict.empty() ? "knee: " : ", ") + rung_name(ladder.path, knee->second.value());
   }
+  for (const Ladder& ladder : plan_.ladders) verdict += finest_bought(ladder);
   summary.set_verdict(verdict);
   return summary;
 }

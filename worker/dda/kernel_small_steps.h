@@ -1,6 +1,7 @@
 // Kernels of the small steps (small_steps.h), one body for every combination of contact laws.
 #pragma once
 
+#include "worker/core/books.h"
 #include "worker/dda/kernel_one_solve.h"
 
 namespace granary::dda {
@@ -41,27 +42,48 @@ template <bool kWall, ContactEffects kEffects>
   return slide;
 }
 
-struct LaneSums {
-  Lanes change = {}, total = {}, integrator = {}, damping = {}, wall_work = {};
-  Lanes tangential_work = {}, stick_work = {}, dashpot_work = {}, friction = {};
-  Lanes cohesion = {}, rolling = {};
-  EffectCounts evaluated;
+// A sum of the ledger in a register.
+struct BookedLanes {
+  Lanes sum = {};
+  BookedLanes() = default;
+  explicit BookedLanes(const LaneSum& before) : sum(load(before.lane)) {}
+  [[gnu::always_inline]] void operator+=(const Lanes& term) {
+    if constexpr (core::kBooks) sum += term;
+  }
+  [[gnu::always_inline]] void operator-=(const Lanes& term) {
+    if constexpr (core::kBooks) sum -= term;
+  }
+  double total() const {
+    double all_lanes = 0;
+    for (std::size_t k = 0; k < kGroupSize; ++k) all_lanes += sum[k];
+    return all_lanes;
+  }
+};
 
-  void add_to(SmallStepSums& sums) const {
+struct LaneSums {
+  SmallStepSums& target;
+  Lanes change = {}, total = {};
+  BookedLanes work{target.work}, damping{target.damping}, friction{target.friction};
+  BookedLanes collision_damping{target.collision_damping};
+  BookedLanes collision_friction{target.collision_friction}, wall_work{target.wall_work};
+  BookedLanes cohesion{target.cohesion}, rolling{target.rolling};
+  EffectCounts evaluated = {};
+
+  [[gnu::always_inline]] void store_all() const {
     for (std::size_t k = 0; k < kGroupSize; ++k) {
-      sums.change += change[k];
-      sums.total += total[k];
-      sums.integrator += integrator[k];
-      sums.damping += damping[k];
-      sums.wall_work += wall_work[k];
-      sums.tangential_work += tangential_work[k];
-      sums.stick_work += stick_work[k];
-      sums.dashpot_work += dashpot_work[k];
-      sums.friction += friction[k];
-      sums.cohesion += cohesion[k];
-      sums.rolling += rolling[k];
+      target.change += change[k];
+      target.total += total[k];
     }
-    sums.evaluated.add(evaluated);
+    target.evaluated.add(evaluated);
+    if constexpr (!core::kBooks) return;
+    store(target.work.lane, work.sum);
+    store(target.damping.lane, damping.sum);
+    store(target.friction.lane, friction.sum);
+    store(target.collision_damping.lane, collision_damping.sum);
+    store(target.collision_friction.lane, collision_friction.sum);
+    store(target.wall_work.lane, wall_work.sum);
+    store(target.cohesion.lane, cohesion.sum);
+    store(target.rolling.lane, rolling.sum);
   }
 };
 
@@ -76,40 +98,43 @@ template <ContactEffects kEffects>
 // Books the normal impulse P of a finished small step; its spring went from overlap o0 to o1. The
 // dashpot took c (o1 - o0)^2 / h, and P / h over the distance before the gap closed; a contact that
 // lets go, all that was left in its spring; cohesion what a pull did. What the impulse did besides,
-// because the sweeps ended before the law was met, is the integrator's.
+// because the sweeps ended before the law was met, is the integrator's: book_list() in
+// small_steps.cpp. All times h.
 template <ContactEffects kEffects>
 [[gnu::always_inline]] inline void book_normal(const ContactTerms& terms, Lanes gap_before,
                                                Lanes gap, Lanes impulse_n, LaneSums& sums) {
-  const double per_step = 1 / terms.small_step;
-  const Lanes overlap = larger(-gap, Lanes{}), overlap_before = larger(-gap_before, Lanes{});
-  const Lanes stretch = overlap - overlap_before;
-  const Lanes by_law = (terms.damping_n * per_step) * (stretch * stretch) +
-                       impulse_n * larger(gap_before, Lanes{}) * per_step;
-  Lanes by_work = impulse_n * (gap_before - gap) * per_step - terms.stiffness * overlap * stretch;
+  const Lanes overlap = larger(-gap, Lanes{}), opening = larger(gap_before, Lanes{});
+  const Lanes stretch = overlap - (opening - gap_before);
+  const Lanes work = impulse_n * (gap_before - gap);
+  const Lanes in_spring = either(impulse_n > 0.0, terms.damping_n * stretch,
+                                 (-terms.stiffness * terms.small_step) * overlap);
+  sums.work += work;
   if constexpr (kEffects.cohesion) {
-    const Lanes pull = either(impulse_n < 0.0, impulse_n * (gap_before - gap) * per_step, Lanes{});
-    sums.cohesion += pull;
-    by_work -= pull;
+    sums.cohesion += either(impulse_n < 0.0, work, Lanes{});
+    sums.damping += stretch * in_spring + larger(impulse_n, Lanes{}) * opening;
+  } else {
+    sums.damping += stretch * in_spring + impulse_n * opening;
   }
-  const Lanes damping = either(impulse_n > 0.0, by_law, by_work);
-  sums.damping += damping;
-  sums.integrator += (by_work - damping) + (0.5 * terms.stiffness) * (stretch * stretch);
 }
 
 // Books the tangential impulse of a finished small step. That of a sticking contact is the
-// spring's and the dashpot's; the spring's part is returned for the next small step. Without
+// spring's and the dashpot's; the spring's part S is returned for the next small step. Without
 // history there is no spring.
 template <ContactEffects kEffects>
 [[gnu::always_inline]] inline Lanes book_tangential(const ContactTerms& terms, Lanes moved,
                                                     Lanes limit, Lanes impulse_t,
                                                     Lanes stick_before, LaneSums& sums) {
-  sums.tangential_work += impulse_t * moved;
-  if constexpr (!kEffects.history) return impulse_t;
+  const Lanes work = impulse_t * moved;
+  sums.work -= work;
+  if constexpr (!kEffects.history) {
+    sums.friction -= work;
+    return impulse_t;
+  }
   const Mask sticks = (impulse_t < limit) & (impulse_t > -limit);
   const Lanes spring = within(impulse_t + terms.damping_t * moved, limit);
   const Lanes stick = either(sticks, spring, impulse_t);
-  sums.dashpot_work += (stick - impulse_t) * moved;
-  sums.stick_work += stick * (stick - stick_before);
+  sums.damping += stick * moved - work;
+  sums.friction -= stick * (moved + (terms.compliance * terms.small_step) * (stick - stick_before));
   return stick;
 }
 
@@ -176,10 +201,10 @@ template <bool kWall, ContactEffects kEffects>
 
   Records first_before = fetch(before, contact.first + g);
   Records second_before = kWall ? Records{} : fetch(before, contact.second + g);
-  sums.damping -= impulse_n * normal_speed(first_before, second_before) +
-                  0.5 * impulse_n * impulse_n * mobility_n;
-  sums.friction -= impulse_t * sliding_speed(first_before, second_before) +
-                   0.5 * impulse_t * impulse_t * mobility_t;
+  sums.collision_damping -= impulse_n * normal_speed(first_before, second_before) +
+                            0.5 * impulse_n * impulse_n * mobility_n;
+  sums.collision_friction -= impulse_t * sliding_speed(first_before, second_before) +
+                             0.5 * impulse_t * impulse_t * mobility_t;
   if constexpr (kWall) sums.wall_work += impulse_n * drift_n + impulse_t * drift_t;
   add_impulse<kEffects>(first_before, second_before, nx, ny, impulse_n, impulse_t,
                         terms.spin_factor);
@@ -284,20 +309,21 @@ template <bool kWall, ContactEffects kEffects>
 void small_sweep_any(const ContactArrays& contact, std::size_t count, const ContactTerms& terms,
                      const SmallStep& small, const DiskShift* shift, DiskMotion* motion,
                      DiskMotion* before, SmallStepSums* sums) {
-  LaneSums lanes;
+  LaneSums lanes{*sums};
   if (small.first_sweep)
     small_sweep<kWall, true, kEffects>(contact, count, terms, small, shift, motion, before, lanes);
   else
     small_sweep<kWall, false, kEffects>(contact, count, terms, small, shift, motion, before, lanes);
-  lanes.add_to(*sums);
+  lanes.store_all();
 }
 
 template <bool kWall, ContactEffects kEffects>
 void close_contacts(const ContactArrays& contact, std::size_t count, const ContactTerms& terms,
                     const SmallStep& small, const DiskShift* shift, SmallStepSums* sums,
                     ContactSums* contact_sums) {
-  LaneSums lanes;
-  Lanes overlap2 = {}, overlap2_start = {}, stored2 = {}, stick2 = {}, worst = {};
+  LaneSums lanes{*sums};
+  BookedLanes overlap2, overlap2_start, stored2, stick2;
+  Lanes worst = {};
   for (std::size_t g = 0; g < count; g += kGroupSize) {
     const Lanes nx = load(contact.normal_x + g), ny = load(contact.normal_y + g);
     const Slide slide = slide_of<kWall, kEffects>(contact, g, nx, ny, small.elapsed, shift);
@@ -314,14 +340,14 @@ void close_contacts(const ContactArrays& contact, std::size_t count, const Conta
       stored2 += stored * stored;
       stick2 += stick * stick;
     }
-    worst = larger(worst, -load(contact.gap_start + g));
+    if constexpr (core::kBooks) worst = larger(worst, -load(contact.gap_start + g));
   }
-  lanes.add_to(*sums);
+  lanes.store_all();
+  contact_sums->overlap2 += overlap2.total();
+  contact_sums->overlap2_start += overlap2_start.total();
+  contact_sums->stored2 += stored2.total();
+  contact_sums->stick2 += stick2.total();
   for (std::size_t k = 0; k < kGroupSize; ++k) {
-    contact_sums->overlap2 += overlap2[k];
-    contact_sums->overlap2_start += overlap2_start[k];
-    contact_sums->stored2 += stored2[k];
-    contact_sums->stick2 += stick2[k];
     if (worst[k] > contact_sums->worst_overlap) contact_sums->worst_overlap = worst[k];
   }
 }
@@ -337,7 +363,7 @@ double advance_disks(const std::uint32_t* index, std::size_t count, double small
     Quad& moved = *reinterpret_cast<Quad*>(shift + i);
     const Quad end = v, gain = end - old;
     moved += small_step * end;
-    sum += mass[i] * (gain * gain);
+    if constexpr (core::kBooks) sum += mass[i] * (gain * gain);
     old = end;
     v = end + gain;
   }

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "worker/dda/contact_effects.h"
+#include "worker/dda/contact_list.h"
 #include "worker/dda/disks.h"
 
 namespace granary::dda {
@@ -89,24 +90,39 @@ struct SmallStep {
   bool first_sweep;  // of this small step: books the small step before
   bool books;        // a small step was done before
 };
+// A sum of the ledger, lane by lane: adding up the lanes after every sweep would cost more than the
+// terms do.
+struct alignas(64) LaneSum {
+  double lane[kGroupSize] = {};
+  double total() const {
+    double sum = 0;
+    for (const double part : lane) sum += part;
+    return sum;
+  }
+};
+// The ledger's sums run over a whole step. Those of the springs are times h [N m s]: a common
+// factor is left to the end of the step.
 struct SmallStepSums {
-  double change = 0, total = 0;  // N2 s2, as SweepSums
-  // J, over all contacts
-  double integrator = 0, damping = 0, wall_work = 0;
-  double friction = 0;         // of collisions; sliding is in the next two
-  double tangential_work = 0;  // sum P_t d_t of the impulses on the disks [N m s]
-  double stick_work = 0;       // sum S (S - S before) of the tangential springs' impulses [N2 s2]
-  double dashpot_work = 0;     // sum (S - P_t) d_t [N m s]
-  double cohesion = 0, rolling = 0;  // J
+  LaneSum work;      // of the contacts' impulses on the disks: P_n (gap before - gap) - P_t d_t
+  LaneSum damping;   // of dashpots, before gaps closed, and what springs held that let go
+  LaneSum friction;  // of sliding, where springs were cut off at Coulomb's limit
+  // J
+  LaneSum collision_damping;  // J
+  LaneSum collision_friction;
+  LaneSum wall_work;
+  LaneSum cohesion;
+  LaneSum rolling;
+  double change = 0, total = 0;  // N2 s2, as SweepSums; of one sweep
   EffectCounts evaluated;
+  double unused[2] = {};  // no padding: tests compare bytes
 };
 // Sums over the contacts of a step.
 struct ContactSums {
-  double overlap2 = 0;  // m2, at the end
+  double overlap2 = 0;        // m2, at the end
   double overlap2_start = 0;  // of the gaps as the step sees them
-  double stored2 = 0;        // N2, tangential forces at the start
-  double stick2 = 0;         // N2 s2, of the tangential springs, last small step
-  double worst_overlap = 0;  // m, at the start
+  double stored2 = 0;         // N2, tangential forces at the start
+  double stick2 = 0;          // N2 s2, of the tangential springs, last small step
+  double worst_overlap = 0;   // m, at the start
 };
 
 // Kernels of one combination of contact laws.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/core/books.h"
 #include "worker/dda/narrow_phase.h"
 #include "worker/dda/step_energy.h"
 
@@ -57,27 +58,31 @@ double elastic_at_start(const ContactTerms& terms, const ContactSums& contacts) 
   return 0.5 * terms.stiffness * contacts.overlap2_start + contacts.stored2 / (2 * terms.stiffness);
 }
 
-// Channels of one list; returns the elastic energy at the end of the step.
+// Channels of one list; returns the elastic energy at the end of the step. The integrator's share
+// is what the impulses did on the disks less what the laws dissipate and what the springs keep.
 double book_list(const ContactTerms& terms, const SmallStepSums& sums, const ContactSums& contacts,
                  core::EnergyLedger& ledger) {
-  const double h = terms.small_step;
-  const double tangential_start = contacts.stored2 / (2 * terms.stiffness);
-  const double tangential_end = contacts.stick2 / (2 * terms.stiffness * h * h);
-  const double stick = sums.stick_work * terms.compliance;
-  const double integrator = sums.integrator + stick - (tangential_end - tangential_start);
-  const double damping_t = sums.dashpot_work / h;
-  const double friction = sums.friction - sums.tangential_work / h - stick - damping_t;
-  const double damping = sums.damping + damping_t;
-  ledger[EnergyChannel::cohesion] += sums.cohesion;
-  ledger[EnergyChannel::rolling] += sums.rolling;
+  const double per_step = 1 / terms.small_step;
+  const double elastic_start = elastic_at_start(terms, contacts);
+  const double elastic_end =
+      0.5 * terms.stiffness * contacts.overlap2 + 0.5 * terms.compliance * contacts.stick2;
+  const double cohesion = sums.cohesion.total() * per_step, rolling = sums.rolling.total();
+  const double by_springs = sums.damping.total() * per_step;
+  const double by_sliding = sums.friction.total() * per_step;
+  const double integrator = sums.work.total() * per_step - by_springs - by_sliding - cohesion -
+                            (elastic_end - elastic_start);
+  const double damping = by_springs + sums.collision_damping.total();
+  const double friction = by_sliding + sums.collision_friction.total();
+  const double wall_work = sums.wall_work.total();
+  ledger[EnergyChannel::cohesion] += cohesion;
+  ledger[EnergyChannel::rolling] += rolling;
   ledger[EnergyChannel::integrator] += integrator;
   ledger[EnergyChannel::friction] += friction;
   ledger[EnergyChannel::normal_damping] += damping;
-  ledger[EnergyChannel::wall_work] += sums.wall_work;
+  ledger[EnergyChannel::wall_work] += wall_work;
   ledger.throughput_j += std::abs(integrator) + std::abs(friction) + std::abs(damping) +
-                         std::abs(sums.wall_work) + std::abs(sums.cohesion) +
-                         std::abs(sums.rolling);
-  return 0.5 * terms.stiffness * contacts.overlap2 + tangential_end;
+                         std::abs(wall_work) + std::abs(cohesion) + std::abs(rolling);
+  return elastic_end;
 }
 
 }  // namespace
@@ -158,7 +163,7 @@ void integrate_small_steps(System& system) {
     const double energy = 0.5 * system.mass[k] *
                           (v.vx * v.vx + v.vy * v.vy + 0.5 * v.surface_speed * v.surface_speed);
     (system.disks.landed[k] ? landed_kinetic : kinetic) += energy;
-    fall_work += (height - pose.y) * system.mass[k];
+    if constexpr (core::kBooks) fall_work += (height - pose.y) * system.mass[k];
   }
   core::EnergyLedger& ledger = system.ledger;
   ledger.kinetic_j = kinetic + landed_kinetic;

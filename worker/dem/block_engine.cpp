@@ -72,7 +72,8 @@ BlockEngine::BlockEngine(const EngineSetup& setup, const Kernels& kernels)
       mesh_laws_(mesh_laws()),
       body_(body_coefficients(setup)),
       combination_(*effect_combination(setup.effects, some_rolling_arm(setup))),
-      integrate_(setup.motion.rotates() ? kernels.integrate_rotating : kernels.integrate),
+      integrate_((setup.motion.rotates() ? kernels.integrate_rotating
+                                         : kernels.integrate)[setup.effects.spin ? 1 : 0]),
       horizon_(horizon_steps(setup)),
       skin_(kSkinInDiameters * 2 * smallest_radius(setup)),
       margin_(kMarginInDiameters * 2 * smallest_radius(setup)),

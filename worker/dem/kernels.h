@@ -177,8 +177,8 @@ struct Kernels {
   const char* name;
   ContactKernel pairs[kEffectCombinationCount];
   ContactKernel walls[kEffectCombinationCount];
-  IntegrateKernel integrate;
-  IntegrateKernel integrate_rotating;
+  IntegrateKernel integrate[2];  // without and with spin
+  IntegrateKernel integrate_rotating[2];
   PruneKernel prune;
   SearchKernel search;
 };

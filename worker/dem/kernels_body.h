@@ -2,8 +2,10 @@
 // defines Lanes (16 floats), Mask and the moves between records and lanes. Internal linkage
 // throughout, so that nothing compiled for a large instruction set can leak into the others. Law:
 // worker/dem/README.md, contact_law.cpp is the same in plain words. Here the normal points from the
-// partner to the grain, so that approach speeds are negative.
+// partner to the grain, so that approach speeds are negative. flatten: with a kernel for each
+// combination of effects the compiler would rather call the parts than inline them.
 
+#include "worker/core/books.h"
 #include "worker/dem/kernels.h"
 
 namespace granary::dem {
@@ -162,13 +164,15 @@ inline Response respond(const Encounter& c, Memory& memory, const LawTables& law
   const Lanes size = larger(pressing, all(0) - pressing);
   const Lanes limit = lookup(laws.friction, kinds) * size;
   const Tangential tangential = slide<kEffects>(c, sliding, memory.spring, limit, laws, kinds, dt);
-  book<kEffects>(c, velocity, vn, sliding, memory, tangential, laws, kinds, dt, sums);
+  if constexpr (core::kBooks)
+    book<kEffects>(c, velocity, vn, sliding, memory, tangential, laws, kinds, dt, sums);
   memory.spring =
       only(c.touching, kEffects.tangential_history ? tangential.spring : tangential.force);
-  memory.velocity = velocity;
+  if constexpr (core::kBooks) memory.velocity = velocity;
   memory.touched = only(c.touching, all(1));
-  sums.overlap_ratio =
-      larger(sums.overlap_ratio, only(c.touching, c.overlap * lookup(laws.inverse_radius, kinds)));
+  if constexpr (core::kBooks)
+    sums.overlap_ratio = larger(sums.overlap_ratio,
+                                only(c.touching, c.overlap * lookup(laws.inverse_radius, kinds)));
   sums.contacts += static_cast<std::uint64_t>(__builtin_popcount(bits(c.touching)));
 
   Lanes normal_force = pressing;
@@ -268,7 +272,7 @@ inline std::size_t find_active(const ContactTask& task) {
 }
 
 template <ContactEffects kEffects>
-void pair_contacts(const ContactTask& task, ContactSums& sums) {
+[[gnu::flatten]] void pair_contacts(const ContactTask& task, ContactSums& sums) {
   LaneSums lane_sums;
   const LawTables& laws = *task.laws;
   const Lanes dt = all(task.time_step);
@@ -290,7 +294,7 @@ void pair_contacts(const ContactTask& task, ContactSums& sums) {
     }
     read_again(first);
     read_again(second);
-    add_to_pairs<kEffects.rolling_friction>(
+    add_to_pairs<kEffects.spin, kEffects.rolling_friction>(
         task.block.load, first, second, {turning_a.x, turning_a.y, turning_a.z},
         {turning_b.x, turning_b.y, turning_b.z}, {r.force.x, r.force.y, r.force.z});
   }
@@ -298,7 +302,7 @@ void pair_contacts(const ContactTask& task, ContactSums& sums) {
 }
 
 template <ContactEffects kEffects>
-void wall_contacts(const ContactTask& task, ContactSums& sums) {
+[[gnu::flatten]] void wall_contacts(const ContactTask& task, ContactSums& sums) {
   LaneSums lane_sums;
   const LawTables& laws = *task.laws;
   const Lanes dt = all(task.time_step);
@@ -313,8 +317,9 @@ void wall_contacts(const ContactTask& task, ContactSums& sums) {
     if constexpr (kEffects.rolling_friction) {
       turning = turning + r.rolling * lookup(laws.inverse_radius_a, kinds);
     }
-    add_to_grains(task.block.load, task.slots.first + g, {turning.x, turning.y, turning.z},
-                  {r.force.x, r.force.y, r.force.z});
+    add_to_grains<kEffects.spin>(task.block.load, task.slots.first + g,
+                                 {turning.x, turning.y, turning.z},
+                                 {r.force.x, r.force.y, r.force.z});
   }
   lane_sums.add_to(sums, task.time_step);
 }
@@ -365,8 +370,8 @@ constexpr Kernels make_kernels(const char* name, std::index_sequence<kRows...>) 
   return {name,
           {pair_contacts<kEffectCombinations[kRows].effects>...},
           {wall_contacts<kEffectCombinations[kRows].effects>...},
-          integrate<false>,
-          integrate<true>,
+          {integrate<false, false>, integrate<false, true>},
+          {integrate<true, false>, integrate<true, true>},
           prune,
           search};
 }

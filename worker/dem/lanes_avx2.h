@@ -285,7 +285,7 @@ inline void add_to(double* sum, __m256d value) {
 }
 
 // load[first] += (turning_a, force), load[second] += (turning_b, -force), lane by lane.
-template <bool kTurningsDiffer>
+template <bool kTurns, bool kTurningsDiffer>
 inline void add_to_pairs(GrainLoad* base, const std::uint32_t* first, const std::uint32_t* second,
                          const Columns& turning_a, const Columns& turning_b, const Columns& force) {
 #pragma GCC unroll 16
@@ -297,14 +297,15 @@ inline void add_to_pairs(GrainLoad* base, const std::uint32_t* first, const std:
       double* a = at(base, first[8 * h + k]);
       double* b = at(base, second[8 * h + k]);
       const __m256d push = f.row(k);
-      add_to(a, ta.row(k));
+      if constexpr (kTurns) add_to(a, ta.row(k));
       add_to(a + 4, push);
-      add_to(b, tb.row(k));
+      if constexpr (kTurns) add_to(b, tb.row(k));
       _mm256_store_pd(b + 4, _mm256_sub_pd(_mm256_load_pd(b + 4), push));
     }
   }
 }
 
+template <bool kTurns>
 inline void add_to_grains(GrainLoad* base, const std::uint32_t* first, const Columns& turning,
                           const Columns& force) {
 #pragma GCC unroll 16
@@ -313,7 +314,7 @@ inline void add_to_grains(GrainLoad* base, const std::uint32_t* first, const Col
 #pragma GCC unroll 16
     for (int k = 0; k < 8; ++k) {
       double* a = at(base, first[8 * h + k]);
-      add_to(a, t.row(k));
+      if constexpr (kTurns) add_to(a, t.row(k));
       add_to(a + 4, f.row(k));
     }
   }
@@ -365,12 +366,12 @@ inline __m256d multiply(const Matrix& m, __m256d v) {
                        _mm256_mul_pd(m.c2, last));
 }
 
-template <bool kRotating>
+template <bool kRotating, bool kTurns>
 void integrate(const IntegrateTask& task) {
   const BodyCoefficients& body = *task.body;
   const __m256d zero = _mm256_setzero_pd();
   const __m256d constant = _mm256_setr_pd(body.constant[0], body.constant[1], body.constant[2], 0);
-  const __m256d factor = _mm256_set1_pd(body.turning_factor);
+  [[maybe_unused]] const __m256d factor = _mm256_set1_pd(body.turning_factor);
   const __m256d step = _mm256_set1_pd(body.time_step);
   [[maybe_unused]] const Matrix of_position = matrix(body.per_position);
   [[maybe_unused]] const Matrix of_velocity = matrix(body.per_velocity);
@@ -379,22 +380,25 @@ void integrate(const IntegrateTask& task) {
   [[maybe_unused]] const Matrix of_surface = matrix(body.per_surface);
   const auto move = [&](std::size_t k, __m256d turning, __m256d force) {
     GrainMotion& motion = task.block.motion[k];
-    double* surface = task.block.surface[k].speed;
+    [[maybe_unused]] double* surface = task.block.surface[k].speed;
     const __m256d p = _mm256_load_pd(motion.position), v = _mm256_load_pd(motion.velocity);
-    const __m256d s = _mm256_load_pd(surface);
     const __m256d inverse_mass = _mm256_broadcast_sd(&motion.inverse_mass);
     const __m256d free_step = _mm256_broadcast_sd(&motion.free_step);
     __m256d rate = _mm256_mul_pd(force, inverse_mass);
-    __m256d surface_rate = _mm256_mul_pd(_mm256_mul_pd(turning, inverse_mass), factor);
     if constexpr (kRotating) {
       rate = _mm256_add_pd(multiply(of_force, rate),
                            _mm256_add_pd(multiply(of_position, p), multiply(of_velocity, v)));
-      surface_rate = _mm256_add_pd(multiply(of_turning, surface_rate), multiply(of_surface, s));
     }
     rate = _mm256_mul_pd(_mm256_add_pd(rate, constant), free_step);
-    // The sum with zero makes a negative zero positive, as it does in a full register.
-    surface_rate = _mm256_mul_pd(_mm256_add_pd(surface_rate, zero), free_step);
-    _mm256_store_pd(surface, _mm256_blend_pd(_mm256_add_pd(s, surface_rate), s, 0x8));
+    if constexpr (kTurns) {
+      const __m256d s = _mm256_load_pd(surface);
+      __m256d surface_rate = _mm256_mul_pd(_mm256_mul_pd(turning, inverse_mass), factor);
+      if constexpr (kRotating)
+        surface_rate = _mm256_add_pd(multiply(of_turning, surface_rate), multiply(of_surface, s));
+      // The sum with zero makes a negative zero positive, as it does in a full register.
+      surface_rate = _mm256_mul_pd(_mm256_add_pd(surface_rate, zero), free_step);
+      _mm256_store_pd(surface, _mm256_blend_pd(_mm256_add_pd(s, surface_rate), s, 0x8));
+    }
     const __m256d kicked = _mm256_blend_pd(_mm256_add_pd(v, rate), v, 0x8);
     const __m256d moved = _mm256_add_pd(p, _mm256_mul_pd(kicked, step));
     _mm256_store_pd(motion.velocity, kicked);

@@ -289,7 +289,7 @@ inline void store_history(History* base, const Recollection& r) {
 }
 
 // load[first] += (turning_a, force), load[second] += (turning_b, -force), lane by lane.
-template <bool kTurningsDiffer>
+template <bool kTurns, bool kTurningsDiffer>
 inline void add_to_pairs(GrainLoad* base, const std::uint32_t* first, const std::uint32_t* second,
                          const Columns& turning_a, const Columns& turning_b, const Columns& force) {
   const __m512d reaction = _mm512_setr_pd(1, 1, 1, 1, -1, -1, -1, -1);
@@ -308,6 +308,7 @@ inline void add_to_pairs(GrainLoad* base, const std::uint32_t* first, const std:
   }
 }
 
+template <bool kTurns>
 inline void add_to_grains(GrainLoad* base, const std::uint32_t* first, const Columns& turning,
                           const Columns& force) {
   const EightWide rows = eight_wide(turning, _mm512_setzero_ps(), force);
@@ -372,7 +373,7 @@ inline __m512d multiply(const Matrix& m, __m512d v) {
                        _mm512_mul_pd(m.c2, last));
 }
 
-template <bool kRotating>
+template <bool kRotating, bool kTurns>
 void integrate(const IntegrateTask& task) {
   const BodyCoefficients& body = *task.body;
   const double* c = body.constant;
@@ -401,7 +402,8 @@ void integrate(const IntegrateTask& task) {
                            _mm512_mask_add_pd(own, 0xf0, from_position, state));
     }
     rate = _mm512_mul_pd(_mm512_add_pd(rate, constant), free_step);
-    _mm256_store_pd(surface, _mm256_mask_add_pd(s, 0x7, s, _mm512_castpd512_pd256(rate)));
+    if constexpr (kTurns)
+      _mm256_store_pd(surface, _mm256_mask_add_pd(s, 0x7, s, _mm512_castpd512_pd256(rate)));
     const __m512d kicked = _mm512_mask_add_pd(p, 0x70, p, rate);
     const __m512d drift = _mm512_mul_pd(_mm512_shuffle_f64x2(kicked, kicked, 0xee), step);
     _mm512_store_pd(motion, _mm512_mask_add_pd(kicked, 0x07, kicked, drift));

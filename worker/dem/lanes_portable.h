@@ -264,27 +264,29 @@ inline void add(double (&sum)[3], const ColumnBuffer& c, std::size_t k, double s
   sum[2] += sign * c.z[k];
 }
 
-// load[first] += (turning_a, force), load[second] += (turning_b, -force), lane by lane.
-template <bool kTurningsDiffer>
+// load[first] += (turning_a, force), load[second] += (turning_b, -force), lane by lane. Without
+// kTurns grains do not turn: neither turnings nor speeds of surfaces are touched.
+template <bool kTurns, bool kTurningsDiffer>
 inline void add_to_pairs(GrainLoad* base, const std::uint32_t* first, const std::uint32_t* second,
                          const Columns& turning_a, const Columns& turning_b, const Columns& force) {
   const ColumnBuffer ta(turning_a), tb(kTurningsDiffer ? turning_b : turning_a), f(force);
   for (std::size_t k = 0; k < kLanes; ++k) {
     GrainLoad& a = at(base, first[k]);
-    add(a.turning, ta, k, 1);
+    if constexpr (kTurns) add(a.turning, ta, k, 1);
     add(a.force, f, k, 1);
     GrainLoad& b = at(base, second[k]);
-    add(b.turning, tb, k, 1);
+    if constexpr (kTurns) add(b.turning, tb, k, 1);
     add(b.force, f, k, -1);
   }
 }
 
+template <bool kTurns>
 inline void add_to_grains(GrainLoad* base, const std::uint32_t* first, const Columns& turning,
                           const Columns& force) {
   const ColumnBuffer t(turning), f(force);
   for (std::size_t k = 0; k < kLanes; ++k) {
     GrainLoad& a = at(base, first[k]);
-    add(a.turning, t, k, 1);
+    if constexpr (kTurns) add(a.turning, t, k, 1);
     add(a.force, f, k, 1);
   }
 }
@@ -331,48 +333,54 @@ inline double component(const double (*m)[3], int i, const double* v) {
 }
 
 template <bool kRotating>
+inline void turn_on(const BodyCoefficients& body, const GrainMotion& motion, GrainSurface& surface,
+                    const double (&turning)[3]) {
+  double turn[3], speed[3];
+  for (int i = 0; i < 3; ++i) turn[i] = turning[i] * motion.inverse_mass * body.turning_factor;
+  for (int i = 0; i < 3; ++i) {
+    double rate = turn[i];
+    if constexpr (kRotating)
+      rate = component(body.per_turning, i, turn) + component(body.per_surface, i, surface.speed);
+    // The sum with zero is no joke: it makes a negative zero positive, as it does in a full
+    // register.
+    speed[i] = surface.speed[i] + (rate + 0.0) * motion.free_step;
+  }
+  for (int i = 0; i < 3; ++i) surface.speed[i] = speed[i];
+}
+
+template <bool kRotating, bool kTurns>
 inline void move(const BodyCoefficients& body, GrainMotion& motion, GrainSurface& surface,
                  const double (&turning)[3], const double (&force)[3]) {
-  double push[3], turn[3];
+  if constexpr (kTurns) turn_on<kRotating>(body, motion, surface, turning);
+  double push[3], velocity[3];
+  for (int i = 0; i < 3; ++i) push[i] = force[i] * motion.inverse_mass * 1.0;
   for (int i = 0; i < 3; ++i) {
-    push[i] = force[i] * motion.inverse_mass * 1.0;
-    turn[i] = turning[i] * motion.inverse_mass * body.turning_factor;
-  }
-  double velocity[3], speed[3];
-  for (int i = 0; i < 3; ++i) {
-    double rate = push[i], surface_rate = turn[i];
-    if constexpr (kRotating) {
+    double rate = push[i];
+    if constexpr (kRotating)
       rate =
           component(body.per_force, i, push) + (component(body.per_position, i, motion.position) +
                                                 component(body.per_velocity, i, motion.velocity));
-      surface_rate =
-          component(body.per_turning, i, turn) + component(body.per_surface, i, surface.speed);
-    }
-    // The sum with zero is no joke: it makes a negative zero positive, as it does in a full
-    // register.
     velocity[i] = motion.velocity[i] + (rate + body.constant[i]) * motion.free_step;
-    speed[i] = surface.speed[i] + (surface_rate + 0.0) * motion.free_step;
   }
   for (int i = 0; i < 3; ++i) {
     motion.velocity[i] = velocity[i];
-    surface.speed[i] = speed[i];
     motion.position[i] += velocity[i] * body.time_step;
   }
 }
 
-template <bool kRotating>
+template <bool kRotating, bool kTurns>
 void integrate(const IntegrateTask& task) {
   for (std::size_t k = 0; k < task.block.count; ++k) {
     GrainLoad& own = task.block.load[k];
     GrainLoad total = own;
     if (k < task.inflow_count) {
       for (int i = 0; i < 3; ++i) {
-        total.turning[i] += task.inflow[k].turning[i];
+        if constexpr (kTurns) total.turning[i] += task.inflow[k].turning[i];
         total.force[i] += task.inflow[k].force[i];
       }
     }
-    move<kRotating>(*task.body, task.block.motion[k], task.block.surface[k], total.turning,
-                    total.force);
+    move<kRotating, kTurns>(*task.body, task.block.motion[k], task.block.surface[k], total.turning,
+                            total.force);
     own = {};
   }
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "worker/core/books.h"
 #include "worker/scene/chute_filling.h"
 
 namespace granary::scene {
@@ -195,7 +196,7 @@ std::vector<core::ColumnView> ChuteSimulation::physical_state() const {
 // --------------------------------------------------------------------------------------- recovery
 
 std::uint64_t ChuteSimulation::steps_between_marks() const {
-  return kStepsBetweenMarks;
+  return core::kBooks ? kStepsBetweenMarks : core::kNever;
 }
 
 bool ChuteSimulation::knows(core::Remedy remedy) const {

@@ -27,6 +27,13 @@ class Values {
   std::vector<ObservedValue> values_;
 };
 
+// What Table 1 of the bucket paper shows of its growing penalty, per metre of depth as it is given.
+void add_open_close(const dda::System& system, double axial_depth, Values& values) {
+  values.add("penalty_final_n_per_m", "N/m", system.contact.stiffness / axial_depth);
+  values.add("open_close_iterations", "1",
+             static_cast<double>(system.counters.open_close_iterations));
+}
+
 std::vector<measure::FlyingDisk> flying_now(const dda::System& system,
                                             const dda::BucketGeometry& bucket) {
   std::vector<measure::FlyingDisk> flying;
@@ -176,6 +183,8 @@ core::Observation DischargeSimulation::observe() const {
   values.add("discharged_mass_kg", "kg",
              record_.ended ? std::optional(record_.discharged_mass) : std::nullopt);
   values.add("rademacher_ka", "1", record_.rademacher_ka);
+  if (plan_.solver.method == dda::SolverMethod::open_close)
+    add_open_close(system_, plan_.axial_depth, values);
   seen.values = values.take();
   seen.series = {remaining_table(record_), cg_table(record_)};
   return seen;

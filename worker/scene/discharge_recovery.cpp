@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "worker/core/books.h"
 #include "worker/scene/discharge_simulation.h"
 
 namespace granary::scene {
@@ -86,6 +87,7 @@ std::vector<std::int64_t> runaways(const dda::System& system, double farthest) {
 }  // namespace
 
 std::optional<core::Rejection> DischargeSimulation::check_sentinels() const {
+  if constexpr (!core::kBooks) return {};
   const double radius = system_.smallest_radius;
   if (!std::isfinite(system_.report.kinetic_energy))
     return core::Rejection{shown_time(), "the velocities are no longer finite",
@@ -108,7 +110,7 @@ std::optional<core::Rejection> DischargeSimulation::check_sentinels() const {
 }
 
 std::uint64_t DischargeSimulation::steps_between_marks() const {
-  return kStepsBetweenMarks;
+  return core::kBooks ? kStepsBetweenMarks : core::kNever;
 }
 
 // Sweeps that stop short of their tolerance go on in the next step, and what they left is booked;

@@ -42,6 +42,19 @@ TEST(Effects, chute_at_rest_needs_no_rotating_frame_and_loses_nothing) {
   EXPECT_EQ(effects.at("rotating_frame").omitted_error(), 0);
 }
 
+TEST(Effects, air_on_flying_disks_is_judged_by_the_accuracy_asked_for) {
+  v1::Scene scene = tests::shipped_scene("discharge_small", {{"accuracy.observable", "f1_m"}});
+  scene.clear_effects();
+  const double bound = decide_effects(scene).at("gas").number();
+  for (const double target : {0.5 * bound, 2 * bound}) {
+    scene.mutable_accuracy()->set_target(target);
+    const v1::EffectReport gas = decide_effects(scene).at("gas");
+    EXPECT_EQ(gas.threshold(), target);
+    EXPECT_EQ(gas.on(), target < bound);
+    EXPECT_EQ(gas.omitted_error(), gas.on() ? 0 : bound);
+  }
+}
+
 TEST(Effects, resolved_scene_says_what_runs) {
   const auto effects = effects_of("16", "0.05");
   EXPECT_TRUE(effects.at("rotating_frame").on());

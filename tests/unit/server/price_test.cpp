@@ -43,6 +43,7 @@ TrialOutcome run(const TrialProposal& proposal) {
   f1.set_error(1e-5);
   outcome.result.mutable_cost()->set_cpu_s(1e-4 / dt);
   outcome.result.mutable_cost()->set_peak_rss_bytes(5e7);
+  outcome.result.mutable_ledger()->set_remainder_ratio(dt);
   return outcome;
 }
 
@@ -85,6 +86,24 @@ TEST(Price, finds_the_order_the_limit_and_the_knee) {
   // The error still falls with the step: the finest one is the knee. The penalty does nothing.
   EXPECT_NEAR(summary.figures().at("knee|discharge.time_step_s").value(), 5e-5, 1e-9);
   EXPECT_NE(summary.verdict().find("discharge.time_step_s=5e-05"), std::string::npos)
+      << summary.verdict();
+}
+
+TEST(Price, says_what_the_finest_rung_bought_beyond_the_base_scene) {
+  auto study = make_price(spec_of(kDischarge));
+  run_all(**study);
+  const v1::StudySummary summary = (*study)->summary();
+  EXPECT_NEAR(summary.figures().at("remainder|discharge.time_step_s=5e-05").value(), 5e-5, 1e-12);
+  EXPECT_NE(summary.verdict().find("discharge.time_step_s=5e-05 instead of 0.0002: f1_m -0.03"),
+            std::string::npos)
+      << summary.verdict();
+  EXPECT_NE(summary.verdict().find("(shows), ledger remainder 5.0e-05 instead of 2.0e-04, 4.0 "
+                                   "times the CPU"),
+            std::string::npos)
+      << summary.verdict();
+  EXPECT_NE(summary.verdict().find("discharge.penalty.stiffness_n_per_m=1e+08 instead of 1e+07: "
+                                   "f1_m +0 +- 1e-05 (below noise)"),
+            std::string::npos)
       << summary.verdict();
 }
 
