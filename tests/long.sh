@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# What is too long for every change: full kill storms, fuzzing, scale, sanitizers. Each part adds a row to
+# What is too long for every change: full kill storms, fuzzing, scale, error intervals, sanitizers. Each part adds a row to
 # tests/long_results.md with date, commit, size, result and seconds; the suite keeps a reduced size of each.
-#   tests/long.sh [PART..]    parts: storm faults scale fuzz asan tsan; default: all
+#   tests/long.sh [PART..]    parts: storm faults scale coverage fuzz asan tsan; default: all
 set -euo pipefail
 cd "$(dirname "$0")/.."
 parts=("$@")
-[ ${#parts[@]} -gt 0 ] || parts=(storm faults scale fuzz asan tsan)
+[ ${#parts[@]} -gt 0 ] || parts=(storm faults scale coverage fuzz asan tsan)
 table=tests/long_results.md
 log=$(mktemp -d)
 
@@ -32,6 +32,10 @@ faults() {
 scale() {
   timed scale "1,000,000 jobs, 100 workers" build/release/bin/queue_scale
   cat "$log/scale.log"
+}
+coverage() {
+  timed coverage "8 scenes, 3 targets, 64 finest replicates" python3 tests/accuracy/coverage.py
+  cp "$log/coverage.log" tests/accuracy/results/coverage.md
 }
 fuzz() {
   local seconds=${GRANARY_FUZZ_SECONDS:-600}

@@ -20,10 +20,19 @@ struct Variant {
   std::string refusal;  // why there is no trial of it
 };
 
+// Effects stay as the base scene has them, so that one is changed at a time; a changed setting may
+// call for others (a rolling friction that was zero), so there they are decided anew.
+v1::Scene variant_base(v1::Scene base, const v1::Effects& as_written, const Variant& variant) {
+  if (!variant.is_effect) *base.mutable_effects() = as_written;
+  return base;
+}
+
 class AblateStudy : public StudyGenerator {
  public:
-  AblateStudy(v1::Scene base, std::vector<Variant> variants, std::vector<std::string> observables)
+  AblateStudy(v1::Scene base, v1::Effects as_written, std::vector<Variant> variants,
+              std::vector<std::string> observables)
       : base_(std::move(base)),
+        as_written_(std::move(as_written)),
         variants_(std::move(variants)),
         observables_(std::move(observables)) {
     for (std::size_t k = 0; k < variants_.size(); ++k)
@@ -64,7 +73,7 @@ class AblateStudy : public StudyGenerator {
     if (trial == 0) return proposal;
     const Variant& variant = variants_[trials_[trial - 1]];
     proposal.inputs = variant.inputs;
-    proposal.scene = scene_with(base_, variant.inputs).value();
+    proposal.scene = scene_with(variant_base(base_, as_written_, variant), variant.inputs).value();
     proposal.label = label_of(variant.inputs);
     proposal.role = "variant";
     return proposal;
@@ -80,6 +89,7 @@ class AblateStudy : public StudyGenerator {
   std::vector<EffectDelta> deltas() const;
 
   v1::Scene base_;
+  v1::Effects as_written_;
   std::vector<Variant> variants_;
   std::vector<std::string> observables_;
   std::vector<std::size_t> trials_;  // index into variants_ of trials 2, 3, ...
@@ -156,10 +166,11 @@ Variant effect_variant(const std::string& name, const v1::EffectReport& report,
   return variant;
 }
 
-Result<Variant> setting_variant(const std::string& text, const v1::Scene& base) {
+Result<Variant> setting_variant(const std::string& text, const v1::StudySpec& spec,
+                                const v1::Scene& base) {
   const std::size_t equals = text.find('=');
   Variant variant{text, {{text.substr(0, equals), text.substr(equals + 1)}}, false, false, {}, ""};
-  auto scene = scene_with(base, variant.inputs);
+  auto scene = scene_with(variant_base(base, spec.scene().effects(), variant), variant.inputs);
   if (!scene) return scene.error();
   if (auto resolved = resolve(*scene); !resolved) return resolved.error();
   return variant;
@@ -173,7 +184,7 @@ Result<std::vector<Variant>> variants_of(const v1::StudySpec& spec, const Resolv
   };
   for (const std::string& asked : spec.ablate().effect()) {
     if (asked.find('=') != std::string::npos) {
-      auto variant = setting_variant(asked, base);
+      auto variant = setting_variant(asked, spec, base);
       if (!variant) return variant.error();
       variants.push_back(std::move(*variant));
       continue;
@@ -211,8 +222,8 @@ Result<std::unique_ptr<StudyGenerator>> make_ablate(const v1::StudySpec& spec) {
   if (!variants) return variants.error();
   std::vector<std::string> observables(ablate.observable().begin(), ablate.observable().end());
   if (observables.empty()) observables = main_observables(spec.scene());
-  return std::unique_ptr<StudyGenerator>(
-      std::make_unique<AblateStudy>(std::move(base), std::move(*variants), std::move(observables)));
+  return std::unique_ptr<StudyGenerator>(std::make_unique<AblateStudy>(
+      std::move(base), spec.scene().effects(), std::move(*variants), std::move(observables)));
 }
 
 }  // namespace granary::server

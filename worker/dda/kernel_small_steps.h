@@ -12,6 +12,7 @@ struct Slide {
   Lanes tangential;  // m, between the surfaces
   Lanes gap;         // m, now
   Lanes rolled;      // m, by turning against each other, at the radius R of add_rolling
+  Lanes held_spin;   // m/s, of both surfaces; only where contacts turn nothing
 };
 
 template <bool kWall, ContactEffects kEffects>
@@ -32,6 +33,7 @@ template <bool kWall, ContactEffects kEffects>
     slide.gap += load(contact.curvature + g) * side * side;
   }
   slide.tangential = across - (first.c + second.c);
+  if constexpr (!kEffects.rotation) slide.held_spin = (first.c + second.c) / elapsed;
   if constexpr (kEffects.rolling) {
     slide.rolled = -(load(contact.arm_first + g) * first.c);
     if constexpr (kWall)
@@ -156,6 +158,8 @@ template <bool kWall, ContactEffects kEffects>
   }
   if constexpr (kWall)
     sums.wall_work += impulse_n * load(contact.drift_n + g) + impulse_t * load(contact.drift_t + g);
+  // Spins that stay as they are drive what they rub against, as moving walls do.
+  if constexpr (!kEffects.rotation) sums.wall_work -= impulse_t * slide.held_spin;
   return stick;
 }
 
@@ -206,6 +210,7 @@ template <bool kWall, ContactEffects kEffects>
   sums.collision_friction -= impulse_t * sliding_speed(first_before, second_before) +
                              0.5 * impulse_t * impulse_t * mobility_t;
   if constexpr (kWall) sums.wall_work += impulse_n * drift_n + impulse_t * drift_t;
+  if constexpr (!kEffects.rotation) sums.wall_work -= impulse_t * (first.c + second.c);
   add_impulse<kEffects>(first_before, second_before, nx, ny, impulse_n, impulse_t,
                         terms.spin_factor);
   if constexpr (kEffects.rolling) {

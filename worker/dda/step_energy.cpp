@@ -69,6 +69,10 @@ void book_list(const System& system, const ActiveContacts& contacts, const Vec2*
       sum.wall_work -= work;
       sum.exchanged += std::abs(work);
     }
+    if (!system.contact.effects.rotation) {  // held spins drive what they rub against
+      const double mean_t = force_t - start_share * (force_t - contacts.stored_t[k]);
+      sum.wall_work -= dt * mean_t * (a.surface_speed + b.surface_speed);
+    }
     const BookedContact booked{force_n, force_t, dt * (ux * nx + uy * ny),
                                dt * (uy * nx - ux * ny - (a.surface_speed + b.surface_speed)),
                                start_share};

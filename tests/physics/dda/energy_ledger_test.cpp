@@ -42,6 +42,18 @@ TEST(EnergyLedger, shows_a_force_that_nobody_booked) {
   EXPECT_GT(system.ledger.remainder_ratio(), 1e-3);
 }
 
+// Spins that contacts do not turn rub like walls that move for ever: what they do must be booked.
+TEST(EnergyLedger, held_spins_do_work_as_moving_walls_do) {
+  System system = dropped_heap();
+  system.contact.effects.rotation = false;
+  for (std::size_t k = 0; k < system.disks.count(); ++k)
+    system.disks.motion[k].surface_speed = -0.1;
+  reset_contacts(system);
+  run(system, 0.3);
+  EXPECT_LT(system.ledger[core::EnergyChannel::wall_work], -0.01 * system.ledger.throughput_j);
+  EXPECT_LT(system.ledger.remainder_ratio(), 1e-3);
+}
+
 // A column on a rising floor: the floor's work is what the disks gain.
 TEST(EnergyLedger, wall_work_lifts_a_disk) {
   System system;

@@ -202,6 +202,17 @@ TEST(Ablate, gives_difference_interval_and_price_of_each_effect) {
       0.2, 1e-12);
 }
 
+TEST(Ablate, a_changed_setting_brings_the_effect_that_it_calls_for) {
+  v1::StudySpec spec = spec_of(kDischarge);
+  spec.mutable_ablate()->add_effect("discharge.rolling_friction_coefficient=0.1");
+  auto study = make_ablate(spec);
+  ASSERT_TRUE(study) << study.error().message;
+  const auto trials = (*study)->ask(10);
+  ASSERT_EQ(trials.size(), 2u);
+  EXPECT_EQ(trials[0].scene.effects().rolling_friction(), v1::Effects::OFF);
+  EXPECT_NE(trials[1].scene.effects().rolling_friction(), v1::Effects::OFF);
+}
+
 TEST(Ablate, without_a_list_tries_every_effect_and_says_what_is_not_available) {
   auto study = make_ablate(spec_of(kChute));
   ASSERT_TRUE(study);
