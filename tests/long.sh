@@ -41,7 +41,7 @@ fuzz() {
   local seconds=${GRANARY_FUZZ_SECONDS:-600}
   cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_COMPILER=clang++ \
     -DGRANARY_SANITIZE=address,undefined,fuzzer-no-link -DGRANARY_FUZZ=ON >"$log/fuzz.log"
-  for target in scene_text worker_protocol query; do
+  for target in ${GRANARY_FUZZ_TARGETS:-scene_text worker_protocol query}; do
     [ -f "tests/fuzz/${target}_fuzz.cpp" ] || continue
     cmake --build build/fuzz --target "fuzz_$target" >>"$log/fuzz.log"
     mkdir -p "build/fuzz/found/$target"
