@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "worker/core/energy_ledger.h"
 #include "worker/core/simulation.h"
+#include "worker/dem/surface_mesh.h"
 
 namespace granary::dem {
 
@@ -16,6 +18,11 @@ inline constexpr double kLargestSoundOverlap = 0.5;
 // Path of one step / radius; beyond, a grain may be through a wall of triangles, or through another
 // grain, without ever having touched it.
 inline constexpr double kLongestSoundPath = 0.5;
+
+// A lone grain among half-spaces has nothing thin to pass.
+inline bool can_pass_through(std::size_t grains, const SurfaceMesh& mesh) {
+  return grains > 1 || !mesh.empty();
+}
 
 core::Rejection path_too_long(double time, double path_ratio, std::vector<std::int64_t> ids);
 core::Rejection not_a_number(double time, std::vector<std::int64_t> ids);

@@ -257,15 +257,18 @@ TEST(DischargeAir, slows_what_flies_and_is_not_computed_when_off) {
 }
 
 TEST(DischargeAir, auto_decides_by_the_range_lost) {
-  const auto scene = [](const char* diameter) {
-    auto text = small_scene({{"discharge.particles.diameter_min_m", diameter},
+  const auto scene = [](const char* diameter, const char* accuracy) {
+    auto text = small_scene({{"accuracy.target", accuracy},
+                             {"accuracy.observable", "f1_landing_m"},
+                             {"discharge.particles.diameter_min_m", diameter},
                              {"discharge.particles.diameter_max_m", diameter},
                              {"discharge.particles.count", "5"},
                              {"effects.gas", "AUTO"}});
     return text.effects().gas();
   };
-  EXPECT_EQ(scene("0.003"), v1::Effects::ON);
-  EXPECT_EQ(scene("0.05"), v1::Effects::OFF);
+  EXPECT_EQ(scene("0.003", "0.05"), v1::Effects::ON);
+  EXPECT_EQ(scene("0.05", "0.05"), v1::Effects::OFF);
+  EXPECT_EQ(scene("0.05", "0.001"), v1::Effects::ON);
 }
 
 TEST(DischargeScenes, shipped_ones_make_plans_and_leave_out_the_air_as_the_paper_does) {
