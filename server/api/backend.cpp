@@ -27,16 +27,32 @@ grpc::Status to_grpc(const Status& status, grpc::CallbackServerContext* context)
   return to_grpc(status);
 }
 
-grpc::ServerUnaryReactor* answer_on_owner(Backend& backend, grpc::CallbackServerContext* context,
-                                          std::function<Status()> work) {
+namespace {
+
+// By way of OwnerThread::post or OwnerThread::read.
+grpc::ServerUnaryReactor* answer_by(void (OwnerThread::*way)(OwnerThread::Work, OwnerThread::Reply),
+                                    Backend& backend, grpc::CallbackServerContext* context,
+                                    std::function<Status()> work) {
   backend.touch();
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   auto outcome = std::make_shared<Status>(Done{});
-  backend.owner.post([work = std::move(work), outcome] { *outcome = work(); },
-                     [reactor, context, outcome](const Status& committed) {
-                       reactor->Finish(to_grpc(committed.ok() ? *outcome : committed, context));
-                     });
+  (backend.owner.*way)([work = std::move(work), outcome] { *outcome = work(); },
+                       [reactor, context, outcome](const Status& committed) {
+                         reactor->Finish(to_grpc(committed.ok() ? *outcome : committed, context));
+                       });
   return reactor;
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* answer_on_owner(Backend& backend, grpc::CallbackServerContext* context,
+                                          std::function<Status()> work) {
+  return answer_by(&OwnerThread::post, backend, context, std::move(work));
+}
+
+grpc::ServerUnaryReactor* look_on_owner(Backend& backend, grpc::CallbackServerContext* context,
+                                        std::function<Status()> work) {
+  return answer_by(&OwnerThread::read, backend, context, std::move(work));
 }
 
 }  // namespace granary::server

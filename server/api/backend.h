@@ -45,5 +45,8 @@ grpc::Status to_grpc(const Status& status, grpc::CallbackServerContext* context)
 // reply leaves after the commit.
 grpc::ServerUnaryReactor* answer_on_owner(Backend& backend, grpc::CallbackServerContext* context,
                                           std::function<Status()> work);
+// The same for `work` that changes nothing: it does not wait behind what is to be committed.
+grpc::ServerUnaryReactor* look_on_owner(Backend& backend, grpc::CallbackServerContext* context,
+                                        std::function<Status()> work);
 
 }  // namespace granary::server

@@ -23,13 +23,14 @@ grpc::ServerUnaryReactor* refuse(grpc::CallbackServerContext* context, const Err
   return reactor;
 }
 
-// A call about one job: finds the id, runs `work(id)` on the owner thread.
+// A call about one job: finds the id, runs `work(id)` by answer_on_owner or look_on_owner.
 template <typename Request>
 grpc::ServerUnaryReactor* about_job(Backend& backend, grpc::CallbackServerContext* context,
-                                    const Request* request, std::function<Status(JobId)> work) {
+                                    const Request* request, std::function<Status(JobId)> work,
+                                    decltype(answer_on_owner)& way = answer_on_owner) {
   const auto id = job_id_from(request->name());
   if (!id) return refuse(context, bad_name(request->name()));
-  return answer_on_owner(backend, context, [id = *id, work = std::move(work)] { return work(id); });
+  return way(backend, context, [id = *id, work = std::move(work)] { return work(id); });
 }
 
 Status fill(const Result<JobRecord>& job, v1::Job* response) {
@@ -80,12 +81,15 @@ grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* conte
 
 grpc::ServerUnaryReactor* JobsService::Get(grpc::CallbackServerContext* context,
                                            const v1::GetJobRequest* request, v1::Job* response) {
-  return about_job(backend_, context, request, [this, response](JobId id) {
-    Status status = fill(backend_.dispatcher.find(id), response);
-    if (const v1::JobEvent* event = backend_.dispatcher.progress(id))
-      *response->mutable_progress() = event->progress();
-    return status;
-  });
+  return about_job(
+      backend_, context, request,
+      [this, response](JobId id) {
+        Status status = fill(backend_.dispatcher.find(id), response);
+        if (const v1::JobEvent* event = backend_.dispatcher.progress(id))
+          *response->mutable_progress() = event->progress();
+        return status;
+      },
+      look_on_owner);
 }
 
 grpc::ServerUnaryReactor* JobsService::List(grpc::CallbackServerContext* context,
@@ -101,7 +105,7 @@ grpc::ServerUnaryReactor* JobsService::List(grpc::CallbackServerContext* context
       std::from_chars(token.data(), token.data() + token.size(), filter.before).ec != std::errc())
     return refuse(context,
                   {ErrorCode::invalid_argument, "page_token is not one of ours", "page_token"});
-  return answer_on_owner(backend_, context, [this, response, filter]() -> Status {
+  return look_on_owner(backend_, context, [this, response, filter]() -> Status {
     const auto jobs = backend_.store.list_jobs(filter);
     for (const JobRecord& job : jobs) {
       v1::Job* message = response->add_jobs();
@@ -145,28 +149,34 @@ grpc::ServerUnaryReactor* JobsService::Delete(grpc::CallbackServerContext* conte
 grpc::ServerUnaryReactor* JobsService::GetValues(grpc::CallbackServerContext* context,
                                                  const v1::GetValuesRequest* request,
                                                  v1::GetValuesResponse* response) {
-  return about_job(backend_, context, request, [this, response](JobId id) -> Status {
-    auto job = backend_.dispatcher.find(id);
-    if (!job) return job.error();
-    response->set_name(job_name(id));
-    response->set_kind(job->kind);
-    response->set_state(job->state);
-    response->set_error(job->error);
-    response->set_timed_out(job->timed_out);
-    if (auto result = backend_.store.find_result(id))
-      *response->mutable_result() = std::move(*result);
-    return Done{};
-  });
+  return about_job(
+      backend_, context, request,
+      [this, response](JobId id) -> Status {
+        auto job = backend_.dispatcher.find(id);
+        if (!job) return job.error();
+        response->set_name(job_name(id));
+        response->set_kind(job->kind);
+        response->set_state(job->state);
+        response->set_error(job->error);
+        response->set_timed_out(job->timed_out);
+        if (auto result = backend_.store.find_result(id))
+          *response->mutable_result() = std::move(*result);
+        return Done{};
+      },
+      look_on_owner);
 }
 
 grpc::ServerUnaryReactor* JobsService::GetLogs(grpc::CallbackServerContext* context,
                                                const v1::GetLogsRequest* request,
                                                v1::GetLogsResponse* response) {
-  return about_job(backend_, context, request, [this, response](JobId id) -> Status {
-    if (auto job = backend_.dispatcher.find(id); !job) return job.error();
-    for (std::string& line : backend_.store.logs(id)) response->add_lines(std::move(line));
-    return Done{};
-  });
+  return about_job(
+      backend_, context, request,
+      [this, response](JobId id) -> Status {
+        if (auto job = backend_.dispatcher.find(id); !job) return job.error();
+        for (std::string& line : backend_.store.logs(id)) response->add_lines(std::move(line));
+        return Done{};
+      },
+      look_on_owner);
 }
 
 grpc::ServerWriteReactor<v1::DownloadChunk>* JobsService::Download(
@@ -188,7 +198,7 @@ grpc::ServerWriteReactor<v1::DownloadChunk>* JobsService::Download(
 grpc::ServerUnaryReactor* JobsService::GetServerInfo(grpc::CallbackServerContext* context,
                                                      const v1::GetServerInfoRequest*,
                                                      v1::GetServerInfoResponse* response) {
-  return answer_on_owner(backend_, context, [this, response]() -> Status {
+  return look_on_owner(backend_, context, [this, response]() -> Status {
     response->set_version(kProductVersion);
     response->set_engine_version(kEngineVersion);
     const QueueTally& tally = backend_.dispatcher.tally();

@@ -82,17 +82,17 @@ grpc::ServerUnaryReactor* StudiesService::List(grpc::CallbackServerContext* cont
                                                v1::ListStudiesResponse* response) {
   const auto before = number_of(request->page_token());
   if (!before) return refuse(context, bad_token());
-  return answer_on_owner(backend_, context,
-                         [this, response, before = *before, kind = request->kind(),
-                          limit = page_limit(request->page_size())]() -> Status {
-                           const auto studies =
-                               backend_.study_store.list_studies(kind, before, limit);
-                           for (const StudyRecord& study : studies)
-                             *response->add_studies() = to_message(study);
-                           if (studies.size() == limit)
-                             response->set_next_page_token(std::to_string(studies.back().id));
-                           return Done{};
-                         });
+  return look_on_owner(backend_, context,
+                       [this, response, before = *before, kind = request->kind(),
+                        limit = page_limit(request->page_size())]() -> Status {
+                         const auto studies =
+                             backend_.study_store.list_studies(kind, before, limit);
+                         for (const StudyRecord& study : studies)
+                           *response->add_studies() = to_message(study);
+                         if (studies.size() == limit)
+                           response->set_next_page_token(std::to_string(studies.back().id));
+                         return Done{};
+                       });
 }
 
 grpc::ServerWriteReactor<v1::Study>* StudiesService::Watch(grpc::CallbackServerContext*,
@@ -138,7 +138,7 @@ grpc::ServerUnaryReactor* StudiesService::ListTrials(grpc::CallbackServerContext
   const auto id = study_id_from(request->name());
   const auto after = number_of(request->page_token());
   if (!after) return refuse(context, bad_token());
-  return answer_on_owner(
+  return look_on_owner(
       backend_, context,
       [this, response, id = id.value_or(0), after = static_cast<std::uint32_t>(*after),
        limit = page_limit(request->page_size())]() -> Status {

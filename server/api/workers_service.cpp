@@ -32,7 +32,7 @@ grpc::ServerWriteReactor<v1::DownloadChunk>* WorkersService::FetchArtifact(
 grpc::ServerUnaryReactor* WorkersService::List(grpc::CallbackServerContext* context,
                                                const v1::ListWorkersRequest*,
                                                v1::ListWorkersResponse* response) {
-  return answer_on_owner(backend_, context, [this, response]() -> Status {
+  return look_on_owner(backend_, context, [this, response]() -> Status {
     for (v1::WorkerInfo& info : backend_.dispatcher.list_workers(system_now()))
       *response->add_workers() = std::move(info);
     return Done{};

@@ -1,7 +1,7 @@
 // The one thread that owns the database and all policy state. Requests are posted as closures; the
 // thread takes everything that has piled up, runs it in one transaction, commits once (one fsync
 // for many requests), and only then lets the replies and effects out. A closure that throws is
-// undone alone (savepoint); a failed commit fails every request of its batch.
+// undone alone (savepoint); a failed commit fails every request of its batch. Reads go first.
 #pragma once
 
 #include <condition_variable>
@@ -50,6 +50,9 @@ class OwnerThread {
 
   // From any thread. After stop() the reply comes at once with UNAVAILABLE.
   void post(Work work, Reply reply);
+  // Work that changes nothing: done before what waits, outside of any transaction, on what is
+  // committed. Thousands of writes that wait do not hold up one look.
+  void read(Work work, Reply reply);
   void stop();
 
  private:
@@ -57,8 +60,11 @@ class OwnerThread {
     Work work;
     Reply reply;
   };
+  void add(std::deque<Item>& queue, Item item);
   void run();
+  void run_reads(const std::deque<Item>& reads);
   void run_batch(std::deque<Item> batch, bool tick);
+  void put_back(std::deque<Item>& batch, std::size_t first);
   void commit();
   Status run_item(const Work& work);
 
@@ -66,7 +72,7 @@ class OwnerThread {
   Hooks hooks_;
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Item> queue_;
+  std::deque<Item> queue_, reads_;
   bool stopping_ = false;
   std::thread thread_;
 };

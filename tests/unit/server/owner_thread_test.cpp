@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <future>
 #include <string>
 
@@ -47,6 +49,52 @@ TEST(OwnerThread, replies_after_the_commit) {
              });
   done.get_future().wait();
   EXPECT_EQ(at_reply.back(), 'c');
+}
+
+TEST(OwnerThread, a_read_goes_before_waiting_writes_and_needs_no_transaction) {
+  FakeTransactions database;
+  OwnerThread owner(database, {});
+  std::promise<void> first_runs, let_go;
+  owner.post(
+      [&] {
+        first_runs.set_value();
+        let_go.get_future().wait();
+      },
+      nullptr);
+  first_runs.get_future().wait();
+  std::atomic<int> written = 0;
+  for (int k = 0; k < 20; ++k) owner.post([&] { ++written; }, nullptr);
+  std::promise<std::pair<int, std::string>> seen;
+  owner.read([&] { seen.set_value({written, database.log}); }, nullptr);
+  let_go.set_value();
+  const auto [written_before, log] = seen.get_future().get();
+  EXPECT_EQ(written_before, 0);
+  EXPECT_EQ(log.back(), 'c') << "outside of a transaction, after the commit of what was running";
+}
+
+TEST(OwnerThread, a_long_batch_is_committed_in_pieces_in_order) {
+  FakeTransactions database;
+  OwnerThread owner(database, {});
+  std::promise<void> first_runs, let_go;
+  owner.post(
+      [&] {
+        first_runs.set_value();
+        let_go.get_future().wait();
+      },
+      nullptr);
+  first_runs.get_future().wait();
+  std::vector<int> order;
+  for (int k = 0; k < 6; ++k)
+    owner.post(
+        [&order, k] {
+          order.push_back(k);
+          std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        },
+        nullptr);
+  let_go.set_value();
+  owner.stop();
+  EXPECT_EQ(order, (std::vector{0, 1, 2, 3, 4, 5}));
+  EXPECT_GE(std::count(database.log.begin(), database.log.end(), 'c'), 6);
 }
 
 TEST(OwnerThread, a_throwing_request_is_undone_alone) {
