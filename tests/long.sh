@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # What is too long for every change: full kill storms, fuzzing, scale, error intervals, sanitizers. Each part adds a row to
 # tests/long_results.md with date, commit, size, result and seconds; the suite keeps a reduced size of each.
-#   tests/long.sh [PART..]    parts: storm faults scale coverage fuzz asan tsan; default: all
+#   tests/long.sh [PART..]    parts: storm faults solvers scale coverage fuzz asan tsan; default: all
 set -euo pipefail
 cd "$(dirname "$0")/.."
 parts=("$@")
-[ ${#parts[@]} -gt 0 ] || parts=(storm faults scale coverage fuzz asan tsan)
+[ ${#parts[@]} -gt 0 ] || parts=(storm faults solvers scale coverage fuzz asan tsan)
 table=tests/long_results.md
 log=$(mktemp -d)
 
@@ -28,6 +28,11 @@ storm() {
 faults() {
   timed faults "300 kills of the engine, every byte and every write" env GRANARY_KILLS=300 GRANARY_STRIDE=1 \
     build/release/tests/faults_storage
+}
+solvers() {
+  timed solvers "IMPULSE against OPEN_CLOSE, 700 disks, 4 fillings" env GRANARY_SOLVER_DISKS=700 GRANARY_SOLVER_FILLINGS=4 \
+    build/release/tests/physics_dda --gtest_filter='SolversAgree.*'
+  grep "mean difference" "$log/solvers.log" || true
 }
 scale() {
   timed scale "1,000,000 jobs, 100 workers" build/release/bin/queue_scale
