@@ -3,7 +3,7 @@
 Table 4), for the weights of Table 5 and of Fig. 19's lower row, for slag (Fig. 18), and the gravity case
 over the deflector. Prints the found values beside the paper's as Markdown.
 
-    tests/physics/design/wall_optimization.py --budget 100            # full size, about 20 min on two cores
+    tests/physics/design/wall_optimization.py --budget 60             # full size, some 10 min on two idle cores
     tests/physics/design/wall_optimization.py --budget 24 --disks 500 # reduced
 
 Claims that are checked (exit code 1 when one fails), over all shapes that were evaluated:
@@ -109,7 +109,7 @@ def deflector(service, options):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--budget", type=int, default=100, help="evaluations per study")
+    parser.add_argument("--budget", type=int, default=60, help="evaluations per study")
     parser.add_argument("--disks", type=int, default=4000)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--method", default="CMA_ES")
