@@ -18,7 +18,7 @@ grpc::ServerWriteReactor<v1::DownloadChunk>* send_artifact(
     Backend& backend, std::function<Result<DownloadRange>()> find) {
   auto* sender = new ArtifactSender;
   auto range = std::make_shared<Result<DownloadRange>>(Error{});
-  backend.owner.post([range, find = std::move(find)] { *range = find(); },
+  backend.owner.read([range, find = std::move(find)] { *range = find(); },
                      [&backend, range, sender](const Status& committed) {
                        if (!committed.ok()) return sender->refuse(to_grpc(committed));
                        open_and_send(backend, *range, sender);

@@ -105,8 +105,8 @@ void Dispatcher::insert_audits(Now now) {
 
 // A stored result that cannot be had again is a fault of a machine or of the engine: told as an
 // error.
-void Dispatcher::compare_with_audited(JobRecord& audit, const v1::Result& result, ExecutionEnd& end,
-                                      std::string& message) {
+void Dispatcher::compare_with_audited(const JobRecord& audit, const v1::Result& result,
+                                      ExecutionEnd& end, std::string& message) {
   const auto audited = audit.owner == kAuditOwner ? audit.tags.find(kAuditTag) : audit.tags.end();
   if (audited == audit.tags.end()) return;
   const auto original = store_.find_result(job_id_from(audited->second).value_or(0));

@@ -102,7 +102,7 @@ class Dispatcher {
   JobId insert(const NewJob& job, Now now);
   void answer_from_store(JobId id, const NewJob& job, const JobRecord& stored, Now now);
   void insert_audits(Now now);
-  void compare_with_audited(JobRecord& audit, const v1::Result& result, ExecutionEnd& end,
+  void compare_with_audited(const JobRecord& audit, const v1::Result& result, ExecutionEnd& end,
                             std::string& message);
   void send(const std::string& worker_id, v1::ServerMessage message);
   void drop(const std::string& worker_id, TaskId task);

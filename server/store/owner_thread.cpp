@@ -112,8 +112,8 @@ void OwnerThread::run_batch(std::deque<Item> batch, bool tick) {
     committed = Error{database_.code_of(error),
                       std::string("the server cannot store anything: ") + error.what(), ""};
   }
-  if (committed.ok()) put_back(batch, outcomes.size());
   const bool ok = committed.ok();
+  if (ok) put_back(batch, outcomes.size());
   if (ok && hooks_.after_commit) hooks_.after_commit();
   if (!ok && hooks_.after_failed_commit) hooks_.after_failed_commit();
   for (std::size_t i = 0; i < batch.size(); ++i)

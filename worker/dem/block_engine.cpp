@@ -397,7 +397,7 @@ void BlockEngine::watch() {
     trouble_ = not_a_number(time(), broken_ids());
   } else if (largest_overlap_ratio_ > kLargestSoundOverlap) {
     trouble_ = overlap_too_deep(time(), largest_overlap_ratio_, deepest_ids());
-  } else if (path > kLongestSoundPath && can_pass_through(motion_.size(), mesh_)) {
+  } else if (path > kLongestSoundPath && can_pass_through(motion_.size(), !mesh_.empty())) {
     trouble_ = path_too_long(time(), path, fast_ids());
   }
 }

@@ -278,7 +278,7 @@ void PlainEngine::watch() {
     trouble_ = not_a_number(time(), {broken->id});
   } else if (largest_overlap_ratio_ > kLargestSoundOverlap) {
     trouble_ = overlap_too_deep(time(), largest_overlap_ratio_, deepest_ids());
-  } else if (can_pass_through(bodies_.size(), mesh_)) {
+  } else if (can_pass_through(bodies_.size(), !mesh_.empty())) {
     const auto fastest = std::max_element(
         bodies_.begin(), bodies_.end(),
         [this](const Body& l, const Body& r) { return path_ratio(l) < path_ratio(r); });

@@ -8,7 +8,6 @@
 
 #include "worker/core/energy_ledger.h"
 #include "worker/core/simulation.h"
-#include "worker/dem/surface_mesh.h"
 
 namespace granary::dem {
 
@@ -20,8 +19,8 @@ inline constexpr double kLargestSoundOverlap = 0.5;
 inline constexpr double kLongestSoundPath = 0.5;
 
 // A lone grain among half-spaces has nothing thin to pass.
-inline bool can_pass_through(std::size_t grains, const SurfaceMesh& mesh) {
-  return grains > 1 || !mesh.empty();
+inline bool can_pass_through(std::size_t grains, bool has_mesh) {
+  return grains > 1 || has_mesh;
 }
 
 core::Rejection path_too_long(double time, double path_ratio, std::vector<std::int64_t> ids);

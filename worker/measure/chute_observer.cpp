@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "worker/core/blocking.h"
+#include "worker/measure/frame_time.h"
 
 namespace granary::measure {
 namespace {
@@ -17,8 +18,6 @@ constexpr double kSensorLines[] = {0.0175, 0.0475, 0.0675};  // m across
 constexpr const char* kSensorNames[] = {"y17mm", "y47mm", "y67mm"};
 constexpr double kSliceWidth = 0.025;  // m, of the solid-fraction strips
 constexpr std::size_t kLeaverColumns = 8;
-// Times are step numbers times the step: they miss what they stand for by some ulp, relative.
-constexpr double kTimeRounding = 1e-12;
 
 std::vector<double> stations_of(double length) {
   std::vector<double> stations;
@@ -46,7 +45,7 @@ std::string station_name(double station, const std::string& what, const std::str
 
 ChuteObserver::ChuteObserver(const ChuteGeometry& g, double sample_start, bool is_mixture)
     : geometry_(g),
-      sample_start_(sample_start * (1 - kTimeRounding)),
+      sample_start_(earliest_of(sample_start)),
       is_mixture_(is_mixture),
       stations_(stations_of(g.length)),
       surface_(g.length, g.width),

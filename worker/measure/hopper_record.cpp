@@ -4,13 +4,9 @@
 #include <cstdio>
 
 #include "worker/core/blocking.h"
+#include "worker/measure/frame_time.h"
 
 namespace granary::measure {
-namespace {
-
-constexpr double kTimeRounding = 1e-12;  // relative, of a frame's time
-
-}  // namespace
 
 void HopperRecord::sample(double time, const dem::GrainTable& grains) {
   double mass = 0;
@@ -41,8 +37,7 @@ void HopperRecord::add_to(core::Observation& observation) const {
                             "no frame in the sampling time with a hopper that is full enough"};
   const std::vector<double> flow = flows();
   // The flow of a frame is that since the frame before: the one at sample_start is too early.
-  const double begin = sample_start_ * (1 + kTimeRounding);
-  const auto sampled = std::upper_bound(times_.begin(), times_.end(), begin);
+  const auto sampled = std::upper_bound(times_.begin(), times_.end(), latest_of(sample_start_));
   const auto first = static_cast<std::size_t>(sampled - times_.begin());
   const std::size_t end = steady_end();
   if (first < end) {

@@ -9,7 +9,6 @@
 
 #include "worker/storage/export_files.h"
 #include "worker/storage/result_reader.h"
-#include "worker/storage/storage_error.h"
 
 namespace granary::storage {
 namespace {
@@ -41,12 +40,6 @@ std::vector<NumberColumn> chosen_columns(NumberTable table) {
   std::stable_partition(table.columns.begin(), table.columns.end(),
                         [](const NumberColumn& column) { return column.name == "time_s"; });
   return table.columns;
-}
-
-void check_lengths(const std::string& table, const std::vector<NumberColumn>& columns) {
-  for (const NumberColumn& column : columns)
-    if (column.values.size() != columns[0].values.size())
-      throw StorageError(StorageFault::damaged, table + ": columns differ in length");
 }
 
 // Shortest text that reads back to the same bits.

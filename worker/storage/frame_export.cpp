@@ -26,12 +26,7 @@ constexpr KnownName kXyzNames[] = {
     {"position_m", "pos"}, {"velocity_m_per_s", "velo"}, {"radius_m", "radius"}, {"id", "id"}};
 
 const NumberColumn& positions(const StoredFrame& frame) {
-  if (const NumberColumn* column = frame.grains.find("position_m")) return *column;
-  throw StorageError(StorageFault::damaged, "frame " + frame.grains.name + " has no positions");
-}
-
-std::size_t rows_of(const NumberColumn& column) {
-  return column.values.size() / column.width;
+  return frame.grains.required("position_m");
 }
 
 // Plane vectors get a third component: viewers know only space.
@@ -41,14 +36,6 @@ std::size_t shown_width(const NumberColumn& column) {
 
 double component(const NumberColumn& column, std::size_t row, std::size_t k) {
   return k < column.width ? column.values[row * column.width + k] : 0;
-}
-
-void check_rows(const StoredFrame& frame) {
-  const std::size_t rows = rows_of(positions(frame));
-  for (const NumberColumn& column : frame.grains.columns)
-    if (rows_of(column) != rows)
-      throw StorageError(StorageFault::damaged,
-                         "frame " + frame.grains.name + ": columns differ in length");
 }
 
 // ------------------------------------------------------------------------------------ extended XYZ
@@ -73,7 +60,7 @@ std::string xyz_block(const StoredFrame& frame) {
   // Position first: the readers of plain XYZ expect it there.
   std::stable_partition(columns.begin(), columns.end(),
                         [](const NumberColumn* column) { return column->name == "position_m"; });
-  const std::size_t rows = rows_of(positions(frame));
+  const std::size_t rows = positions(frame).rows();
   std::string text = std::to_string(rows) + "\nProperties=";
   for (std::size_t k = 0; k < columns.size(); ++k)
     text += (k > 0 ? ":" : "") + xyz_name(*columns[k]) +
@@ -118,8 +105,8 @@ std::string data_array(const char* type, const std::string& name, std::size_t wi
 
 std::string column_array(const NumberColumn& column) {
   std::vector<float> numbers;
-  numbers.reserve(rows_of(column) * shown_width(column));
-  for (std::size_t row = 0; row < rows_of(column); ++row)
+  numbers.reserve(column.rows() * shown_width(column));
+  for (std::size_t row = 0; row < column.rows(); ++row)
     for (std::size_t k = 0; k < shown_width(column); ++k)
       numbers.push_back(static_cast<float>(component(column, row, k)));
   return data_array("Float32", column.name, shown_width(column), numbers);
@@ -137,7 +124,7 @@ std::string vertices(std::size_t count) {
 }
 
 std::string vtp_text(const StoredFrame& frame) {
-  const std::size_t count = rows_of(positions(frame));
+  const std::size_t count = positions(frame).rows();
   std::string text =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" "
       "byte_order=\"LittleEndian\" "
@@ -158,7 +145,7 @@ std::string pvd_line(double time_s, const std::string& file) {
 
 StoredFrame checked_frame(const ResultReader& reader, std::size_t index) {
   StoredFrame frame = reader.frame(index);
-  check_rows(frame);
+  check_lengths(frame.grains.name, frame.grains.columns);
   return frame;
 }
 

@@ -56,13 +56,8 @@ std::string format(const char* pattern, ...) {
   return text;
 }
 
-const NumberColumn& required(const NumberTable& table, const char* name) {
-  if (const NumberColumn* column = table.find(name)) return *column;
-  throw StorageError(StorageFault::damaged, table.name + " has no column " + name);
-}
-
 std::vector<std::size_t> colour_classes(const NumberTable& grains, bool is_discharge) {
-  const NumberColumn& by = required(grains, is_discharge ? "stratum" : "velocity_m_per_s");
+  const NumberColumn& by = grains.required(is_discharge ? "stratum" : "velocity_m_per_s");
   std::vector<double> measure;
   for (std::size_t i = 0; i < by.values.size(); i += by.width)
     measure.push_back(std::abs(by.values[i]));
@@ -77,8 +72,8 @@ std::vector<std::size_t> colour_classes(const NumberTable& grains, bool is_disch
 
 // Discharge: x, y of the plane. Chute: x along the floor, z above it.
 std::vector<Grain> grains_of(const NumberTable& table, bool is_discharge) {
-  const NumberColumn& position = required(table, "position_m");
-  const NumberColumn& radius = required(table, "radius_m");
+  const NumberColumn& position = table.required("position_m");
+  const NumberColumn& radius = table.required("radius_m");
   const auto colours = colour_classes(table, is_discharge);
   std::vector<Grain> grains;
   for (std::size_t i = 0; i < radius.values.size(); ++i) {
@@ -90,8 +85,8 @@ std::vector<Grain> grains_of(const NumberTable& table, bool is_discharge) {
 
 // Angle of the bucket [rad] at a time, from the series of the centre of gravity.
 double bucket_angle(const NumberTable& cg, double time_s) {
-  const auto& times = required(cg, "time_s").values;
-  const auto& angles = required(cg, "angle_deg").values;
+  const auto& times = cg.required("time_s").values;
+  const auto& angles = cg.required("angle_deg").values;
   if (times.empty()) return 0;
   const auto next = std::lower_bound(times.begin(), times.end(), time_s);
   const std::size_t i = next == times.end() ? times.size() - 1 : static_cast<std::size_t>(next - times.begin());
@@ -100,9 +95,9 @@ double bucket_angle(const NumberTable& cg, double time_s) {
 
 // The polylines of the field `bucket`, one per wall, turned clockwise about the pulley.
 std::vector<Outline> bucket_outlines(const NumberTable& bucket, double angle) {
-  const auto& x = required(bucket, "x_m").values;
-  const auto& y = required(bucket, "y_m").values;
-  const auto& wall = required(bucket, "wall").values;
+  const auto& x = bucket.required("x_m").values;
+  const auto& y = bucket.required("y_m").values;
+  const auto& wall = bucket.required("wall").values;
   const double c = std::cos(angle), s = std::sin(angle);
   std::vector<Outline> outlines;
   for (std::size_t i = 0; i < x.size(); ++i) {

@@ -94,6 +94,17 @@ const NumberColumn* NumberTable::find(std::string_view column) const {
   return nullptr;
 }
 
+const NumberColumn& NumberTable::required(std::string_view column) const {
+  if (const NumberColumn* found = find(column)) return *found;
+  throw StorageError(StorageFault::damaged, name + " has no column " + std::string(column));
+}
+
+void check_lengths(const std::string& name, std::span<const NumberColumn> columns) {
+  for (const NumberColumn& column : columns)
+    if (column.rows() != columns[0].rows())
+      throw StorageError(StorageFault::damaged, name + ": columns differ in length");
+}
+
 struct ResultReader::File {
   explicit File(const Path& path) : file(open_file(path)) {
     if (H5Lexists(file, "/frames", H5P_DEFAULT) > 0) frames = links_of(open_group(file, "/frames"));

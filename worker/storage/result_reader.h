@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,8 @@ struct NumberColumn {
   std::string name;
   std::size_t width = 1;  // 2 for plane vectors, 3 for space vectors
   std::vector<double> values;  // rows x width
+
+  std::size_t rows() const { return values.size() / width; }
 };
 
 struct NumberTable {
@@ -22,7 +25,11 @@ struct NumberTable {
   std::vector<NumberColumn> columns;
 
   const NumberColumn* find(std::string_view column) const;
+  const NumberColumn& required(std::string_view column) const;  // else the file is damaged
 };
+
+// Damaged when columns of the table `name` differ in length.
+void check_lengths(const std::string& name, std::span<const NumberColumn> columns);
 
 struct StoredFrame {
   double time_s = 0;

@@ -1,112 +1,16 @@
 // The queue's promises against a real SQLite file in memory, with a clock made by hand.
-#include "server/jobs/dispatcher.h"
-
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "proto/contract/resolve.h"
 #include "proto/contract/scene_text.h"
 #include "server/jobs/worker_needs.h"
-#include "server/store/database.h"
-#include "server/store/sqlite_job_store.h"
+#include "tests/unit/server/dispatcher_fixture.h"
 
 namespace granary::server {
 namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-class FakeLink : public WorkerLink {
- public:
-  void send(v1::ServerMessage message) override { sent.push_back(std::move(message)); }
-  void close() override { closed = true; }
-
-  std::vector<std::string> assigned() const {
-    std::vector<std::string> jobs;
-    for (const auto& message : sent)
-      if (message.has_assign()) jobs.push_back(message.assign().job());
-    return jobs;
-  }
-  std::string last_task() const {
-    for (auto message = sent.rbegin(); message != sent.rend(); ++message)
-      if (message->has_assign()) return message->assign().task();
-    return "";
-  }
-  template <typename Has>
-  int count(Has has) const {
-    return static_cast<int>(std::count_if(sent.begin(), sent.end(), has));
-  }
-
-  std::vector<v1::ServerMessage> sent;
-  bool closed = false;
-};
-
-class RecordingWatcher : public Watcher {
- public:
-  void deliver(const v1::JobEvent& event) override { events.push_back(event); }
-  void finish() override { finished = true; }
-  std::vector<v1::JobState> states() const {
-    std::vector<v1::JobState> out;
-    for (const auto& event : events)
-      if (!event.has_progress()) out.push_back(event.state());
-    return out;
-  }
-  std::vector<v1::JobEvent> events;
-  bool finished = false;
-};
-
-class DispatcherTest : public testing::Test {
- protected:
-  DispatcherTest() { dispatcher.reload(now); }
-
-  void settle() {
-    for (const auto& effect : dispatcher.take_effects()) effect();
-  }
-  JobId submit(const std::string& key = "k", int priority = 0, bool fresh = true) {
-    NewJob job;
-    job.kind = "discharge";
-    job.key = key;
-    job.priority = priority;
-    job.fresh = fresh;
-    auto ids = dispatcher.submit({{job}, ""}, now);
-    settle();
-    return ids.value()[0];
-  }
-  std::shared_ptr<FakeLink> connect(const std::string& id, unsigned slots = 1,
-                                    const std::vector<std::string>& held = {}) {
-    auto link = std::make_shared<FakeLink>();
-    v1::WorkerHello hello;
-    hello.set_worker_id(id);
-    hello.set_slots(slots);
-    hello.add_kinds("discharge");
-    for (const std::string& task : held) hello.add_held()->set_task(task);
-    dispatcher.worker_connected(hello, link, now);
-    settle();
-    return link;
-  }
-  void finish(const std::string& worker, const std::string& task,
-              v1::TaskFinished::Outcome outcome = v1::TaskFinished::COMPLETE) {
-    v1::TaskFinished message;
-    message.set_task(task);
-    message.set_outcome(outcome);
-    message.mutable_artifact()->set_sha256("from " + worker);
-    message.mutable_result()->set_kind("discharge");
-    dispatcher.task_finished(worker, message, now);
-    settle();
-  }
-  void pass(std::int64_t ms) {
-    now.wall_ms += ms;
-    now.steady_ms += ms;
-    dispatcher.tick(now);
-    settle();
-  }
-  v1::JobState state(JobId id) { return dispatcher.find(id)->state; }
-
-  Now now{1'700'000'000'000, 1000};
-  Database database{":memory:"};
-  SqliteJobStore store{database.connection()};
-  Dispatcher dispatcher{store, {100, 50}};
-};
 
 TEST_F(DispatcherTest, gives_waiting_jobs_to_free_slots_in_order) {
   const JobId first = submit(), second = submit(), third = submit();
@@ -283,97 +187,6 @@ TEST_F(DispatcherTest, one_owner_s_full_queue_leaves_room_for_others) {
   dispatcher.reload(now);
   submission.jobs[0].owner = "anna";
   EXPECT_TRUE(dispatcher.submit(submission, now).ok());
-}
-
-TEST_F(DispatcherTest, a_repeated_job_gets_the_stored_result_unless_fresh) {
-  submit("same");
-  auto a = connect("a");
-  finish("a", a->last_task());
-  const JobId reused = submit("same", 0, false);
-  EXPECT_EQ(state(reused), v1::COMPLETE);
-  EXPECT_TRUE(dispatcher.find(reused)->reused);
-  EXPECT_EQ(dispatcher.find(reused)->result_sha256, "from a");
-  const JobId fresh = submit("same", 0, true);
-  EXPECT_EQ(state(fresh), v1::RUNNING);
-}
-
-TEST_F(DispatcherTest, a_reused_result_says_when_its_output_is_not_that_asked_for) {
-  NewJob job;
-  job.kind = "discharge";
-  job.key = "same physics";
-  v1::Scene scene;
-  scene.mutable_output()->set_frames(10);
-  job.resolved_bytes = scene.SerializeAsString();
-  const auto submit_job = [&] { return dispatcher.submit({{job}, ""}, now).value()[0]; };
-  submit_job();
-  finish("a", connect("a")->last_task());
-  const auto last_message = [&](JobId id) { return store.events_after(id, 0).back().message; };
-  EXPECT_THAT(last_message(submit_job()), testing::Not(HasSubstr("--fresh")));
-  scene.mutable_output()->set_frames(1000);
-  job.resolved_bytes = scene.SerializeAsString();
-  EXPECT_THAT(last_message(submit_job()), HasSubstr("--fresh"));
-}
-
-class AuditTest : public DispatcherTest {
- protected:
-  AuditTest() { audited.reload(now); }
-  void finish_with_hash(const std::string& hash) {
-    v1::TaskFinished message;
-    message.set_task(link->last_task());
-    message.set_outcome(v1::TaskFinished::COMPLETE);
-    message.mutable_artifact()->set_sha256("x");
-    message.mutable_result()->set_state_hash(hash);
-    audited.task_finished("a", message, now);
-    for (const auto& effect : audited.take_effects()) effect();
-  }
-  std::vector<JobId> submit_same(std::size_t times) {
-    NewJob job;
-    job.kind = "discharge";
-    job.key = "k";
-    auto ids = audited.submit(
-        {std::vector<NewJob>(times, job), "request " + std::to_string(++requests)}, now);
-    for (const auto& effect : audited.take_effects()) effect();
-    return ids.value();
-  }
-  void compute_the_original() {
-    v1::WorkerHello hello;
-    hello.set_worker_id("a");
-    hello.set_slots(1);
-    hello.add_kinds("discharge");
-    audited.worker_connected(hello, link, now);
-    submit_same(1);
-    finish_with_hash("first");
-  }
-  std::vector<JobRecord> audits() {
-    std::vector<JobRecord> jobs = store.list_jobs({});
-    std::erase_if(jobs, [](const JobRecord& job) { return job.owner != kAuditOwner; });
-    return jobs;
-  }
-
-  std::shared_ptr<FakeLink> link = std::make_shared<FakeLink>();
-  Dispatcher audited{store, {.audit_one_in = 3}};
-  int requests = 0;
-};
-
-TEST_F(AuditTest, computes_one_in_n_reused_results_again) {
-  compute_the_original();
-  const std::vector<JobId> ids = submit_same(4);
-  for (std::size_t k = 1; k < ids.size(); ++k)
-    EXPECT_EQ(ids[k], ids[k - 1] + 1) << "audits stand behind the request";
-  ASSERT_EQ(audits().size(), 1u);
-  finish_with_hash("first");
-  EXPECT_EQ(audits()[0].state, v1::COMPLETE);
-  EXPECT_EQ(audited.audits_ended().at("same"), 1u);
-}
-
-TEST_F(AuditTest, a_result_that_comes_out_differently_is_an_error_that_names_both) {
-  compute_the_original();
-  submit_same(3);
-  finish_with_hash("second");
-  ASSERT_EQ(audits().size(), 1u);
-  EXPECT_EQ(audits()[0].state, v1::ERROR);
-  EXPECT_THAT(audits()[0].error,
-              testing::AllOf(HasSubstr("second"), HasSubstr("first"), HasSubstr("jobs/1")));
 }
 
 TEST_F(DispatcherTest, a_watcher_sees_each_state_once_and_resumes_behind_a_sequence) {

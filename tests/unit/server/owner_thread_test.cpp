@@ -37,6 +37,24 @@ Status ask(OwnerThread& owner, OwnerThread::Work work) {
   return answer.get_future().get();
 }
 
+// The thread in the middle of a request, so that what is posted now waits.
+class Held {
+ public:
+  explicit Held(OwnerThread& owner) {
+    owner.post(
+        [this] {
+          runs_.set_value();
+          free_.get_future().wait();
+        },
+        nullptr);
+    runs_.get_future().wait();
+  }
+  void let_go() { free_.set_value(); }
+
+ private:
+  std::promise<void> runs_, free_;
+};
+
 TEST(OwnerThread, replies_after_the_commit) {
   FakeTransactions database;
   OwnerThread owner(database, {});
@@ -54,19 +72,12 @@ TEST(OwnerThread, replies_after_the_commit) {
 TEST(OwnerThread, a_read_goes_before_waiting_writes_and_needs_no_transaction) {
   FakeTransactions database;
   OwnerThread owner(database, {});
-  std::promise<void> first_runs, let_go;
-  owner.post(
-      [&] {
-        first_runs.set_value();
-        let_go.get_future().wait();
-      },
-      nullptr);
-  first_runs.get_future().wait();
+  Held held(owner);
   std::atomic<int> written = 0;
   for (int k = 0; k < 20; ++k) owner.post([&] { ++written; }, nullptr);
   std::promise<std::pair<int, std::string>> seen;
   owner.read([&] { seen.set_value({written, database.log}); }, nullptr);
-  let_go.set_value();
+  held.let_go();
   const auto [written_before, log] = seen.get_future().get();
   EXPECT_EQ(written_before, 0);
   EXPECT_EQ(log.back(), 'c') << "outside of a transaction, after the commit of what was running";
@@ -75,14 +86,7 @@ TEST(OwnerThread, a_read_goes_before_waiting_writes_and_needs_no_transaction) {
 TEST(OwnerThread, a_long_batch_is_committed_in_pieces_in_order) {
   FakeTransactions database;
   OwnerThread owner(database, {});
-  std::promise<void> first_runs, let_go;
-  owner.post(
-      [&] {
-        first_runs.set_value();
-        let_go.get_future().wait();
-      },
-      nullptr);
-  first_runs.get_future().wait();
+  Held held(owner);
   std::vector<int> order;
   for (int k = 0; k < 6; ++k)
     owner.post(
@@ -91,7 +95,7 @@ TEST(OwnerThread, a_long_batch_is_committed_in_pieces_in_order) {
           std::this_thread::sleep_for(std::chrono::milliseconds(5));
         },
         nullptr);
-  let_go.set_value();
+  held.let_go();
   owner.stop();
   EXPECT_EQ(order, (std::vector{0, 1, 2, 3, 4, 5}));
   EXPECT_GE(std::count(database.log.begin(), database.log.end(), 'c'), 6);
