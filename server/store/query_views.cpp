@@ -124,14 +124,10 @@ bool is_plain(const std::string& name) {
 }
 
 void add_values(const std::vector<ValueName>& values, Columns& columns) {
-  const auto lookup = [](const char* what, const std::string& name) {
-    return std::string("(SELECT v.") + what +
-           " FROM job_value v INDEXED BY job_value_by_name WHERE v.job = j.id AND v.name = " + quoted(name) + ")";
-  };
   for (const ValueName& value : values) {
     if (!is_plain(value.name)) continue;
-    columns.push_back({value.name, lookup("value", value.name), "value [" + value.unit + "]"});
-    columns.push_back({error_column(value), lookup("error", value.name),
+    columns.push_back({value.name, "job_value(j.id, " + quoted(value.name) + ")", "value [" + value.unit + "]"});
+    columns.push_back({error_column(value), "job_error(j.id, " + quoted(value.name) + ")",
                        "half-width of its 95 % interval; NULL = unknown"});
   }
 }
@@ -147,9 +143,7 @@ void add_scene_fields(const std::string& kind, Columns& columns) {
       path.replace(at, 2, "[0]");
     }
     if (path.find("[]") != std::string::npos) continue;
-    // Through the id: a sort or group then carries the id along, not the whole scene.
-    columns.push_back({path,
-                       "scene_field((SELECT r.resolved FROM job r WHERE r.id = j.id), " + quoted(path) + ")",
+    columns.push_back({path, "scene_field(j.id, " + quoted(path) + ")",
                        "scene field as run: " + std::string(rule.meaning)});
   }
 }

@@ -110,6 +110,37 @@ TEST_F(QueryDoor, gives_values_errors_costs_and_scene_fields_of_a_job) {
   EXPECT_TRUE(std::holds_alternative<std::monostate>(rows.rows[0][8]));
 }
 
+// The functions behind the columns go along with the scan: they must not care where it goes.
+TEST_F(QueryDoor, gives_each_job_its_own_values_in_whatever_order_they_are_asked) {
+  constexpr int kJobs = 60;
+  for (int i = 1; i <= kJobs; ++i) {
+    const JobId id = store_job(i, 0.5 * i);
+    if (i % 3 == 0) store->delete_job(id);
+  }
+  // 17 is prime to 61: every number from 1 to 60 comes once, far from its neighbours.
+  for (const char* order : {"i", "61 - i", "i * 17 % 61"}) {
+    const std::string sql =
+        "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 60), asked(i) AS MATERIALIZED "
+        "(SELECT " + std::string(order) + " FROM n) "
+        "SELECT asked.i, v.f1_m, v.f1_error_m, v.\"discharge.rotation_rad_per_s\" "
+        "FROM asked LEFT JOIN discharge_values v ON v.job = 'jobs/' || asked.i";
+    const Status status = ask(sql);
+    ASSERT_TRUE(status.ok()) << status.error().message;
+    ASSERT_EQ(rows.rows.size(), std::size_t{kJobs});
+    for (std::size_t row = 0; row < rows.rows.size(); ++row) {
+      const std::int64_t i = integer(row, 0);
+      if (i % 3 == 0) {
+        for (std::size_t column : {1, 2, 3})
+          EXPECT_TRUE(std::holds_alternative<std::monostate>(rows.rows[row][column])) << order << ", job " << i;
+        continue;
+      }
+      EXPECT_EQ(real(row, 1), 0.5 * static_cast<double>(i)) << order;
+      EXPECT_EQ(real(row, 2), 0.25) << order;
+      EXPECT_EQ(real(row, 3), static_cast<double>(i)) << order;
+    }
+  }
+}
+
 // Found by fuzzing: SQLite quotes what it cannot read.
 TEST_F(QueryDoor, a_refusal_is_one_line_whatever_the_statement_holds) {
   const Status status = ask("[\n\n\n");

@@ -1,15 +1,11 @@
-#include "server/store/scene_field_function.h"
+#include "server/store/scene_field.h"
 
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/wire_format_lite.h>
-#include <sqlite3.h>
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
-#include <memory>
-#include <stdexcept>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "granary/v1/scene.pb.h"
@@ -49,39 +45,29 @@ Path find_path(std::string_view text) {
   return type == nullptr ? path : Path{};
 }
 
-struct Found {
-  enum class Kind { nothing, integer, real, text } kind = Kind::nothing;
-  std::int64_t integer = 0;
-  double real = 0;
-  std::string text;
-};
-
-bool read_scalar(CodedInputStream& in, const FieldDescriptor& field, Found& found) {
+bool read_scalar(CodedInputStream& in, const FieldDescriptor& field, SceneScalar& found) {
   if (field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE) {
     std::uint64_t bits = 0;
     if (!in.ReadLittleEndian64(&bits)) return false;
-    found.kind = Found::Kind::real;
-    found.real = std::bit_cast<double>(bits);
+    found = std::bit_cast<double>(bits);
     return true;
   }
   if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING) {
     std::uint32_t size = 0;
-    found.kind = Found::Kind::text;
-    return in.ReadVarint32(&size) && in.ReadString(&found.text, static_cast<int>(size));
+    auto& text = found.emplace<std::string>();
+    return in.ReadVarint32(&size) && in.ReadString(&text, static_cast<int>(size));
   }
   std::uint64_t value = 0;
   if (!in.ReadVarint64(&value)) return false;
-  found.kind = Found::Kind::integer;
-  found.integer = static_cast<std::int64_t>(value);
+  found = static_cast<std::int64_t>(value);
   if (field.cpp_type() != FieldDescriptor::CPPTYPE_ENUM) return true;
   const auto* name = field.enum_type()->FindValueByNumber(static_cast<int>(value));
-  found.kind = Found::Kind::text;
-  found.text = name ? name->name() : std::to_string(value);
+  found = name ? name->name() : std::to_string(value);
   return true;
 }
 
 // The last occurrence of a singular field wins, as in protobuf's own parser.
-bool walk(CodedInputStream& in, const Path& path, std::size_t depth, Found& found) {
+bool walk(CodedInputStream& in, const Path& path, std::size_t depth, SceneScalar& found) {
   const Step& step = path[depth];
   int seen = 0;
   while (const std::uint32_t tag = in.ReadTag()) {
@@ -103,37 +89,22 @@ bool walk(CodedInputStream& in, const Path& path, std::size_t depth, Found& foun
   return true;
 }
 
-void scene_field(sqlite3_context* context, int, sqlite3_value** arguments) {
-  auto* path = static_cast<Path*>(sqlite3_get_auxdata(context, 1));
-  std::unique_ptr<Path> made;
-  if (path == nullptr) {
-    const auto* text = reinterpret_cast<const char*>(sqlite3_value_text(arguments[1]));
-    made = std::make_unique<Path>(find_path(text ? text : ""));
-    path = made.get();
-  }
-  Found found;
-  const auto* bytes = static_cast<const std::uint8_t*>(sqlite3_value_blob(arguments[0]));
-  const int size = sqlite3_value_bytes(arguments[0]);
-  if (!path->empty() && bytes != nullptr) {
-    CodedInputStream in(bytes, size);
-    if (!walk(in, *path, 0, found)) found.kind = Found::Kind::nothing;
-  }
-  if (found.kind == Found::Kind::real) sqlite3_result_double(context, found.real);
-  if (found.kind == Found::Kind::integer) sqlite3_result_int64(context, found.integer);
-  if (found.kind == Found::Kind::text)
-    sqlite3_result_text(context, found.text.data(), static_cast<int>(found.text.size()),
-                        SQLITE_TRANSIENT);
-  if (made)
-    sqlite3_set_auxdata(context, 1, made.release(), [](void* p) { delete static_cast<Path*>(p); });
-}
-
 }  // namespace
 
-void add_scene_field_function(sqlite3* connection) {
-  if (sqlite3_create_function(connection, "scene_field", 2,
-                              SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS, nullptr,
-                              scene_field, nullptr, nullptr) != SQLITE_OK)
-    throw std::runtime_error(sqlite3_errmsg(connection));
+struct SceneField::Steps {
+  Path path;
+};
+
+SceneField::SceneField(std::string_view path) : steps_(new Steps{find_path(path)}) {}
+SceneField::SceneField(SceneField&&) noexcept = default;
+SceneField::~SceneField() = default;
+
+SceneScalar SceneField::in(const void* scene, int size_bytes) const {
+  SceneScalar found;
+  if (steps_->path.empty() || scene == nullptr) return found;
+  CodedInputStream in(static_cast<const std::uint8_t*>(scene), size_bytes);
+  if (!walk(in, steps_->path, 0, found)) return {};
+  return found;
 }
 
 }  // namespace granary::server
