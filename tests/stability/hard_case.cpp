@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "tests/support/slowdown.h"
 #include "worker/run/cost_clock.h"
 #include "worker/run/run_task.h"
 #include "worker/run/task_setup.h"
@@ -85,7 +86,7 @@ CaseOutcome run_case(const HardCase& hard_case) {
   const run::SimulationFactory factory = factory_of(hard_case);
   Result<run::TaskSpec> spec = run::make_task(*scene, {factory, "portable"});
   if (!spec) return refused(spec.error().message);
-  spec->time_limit_s = kHangSeconds;
+  spec->time_limit_s = kHangSeconds * test::kSlowdown;
   const run::StopSignal stop{run::StopRequest::none};
   CaseOutcome outcome = outcome_of(run::run_task(*spec, factory, {}, stop));
   outcome.seconds = timer.cpu_s();

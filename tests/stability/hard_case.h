@@ -50,7 +50,7 @@ struct CaseOutcome {
   v1::Result result;
 };
 CaseOutcome run_case(const HardCase& hard_case);
-// Wall seconds after which a case counts as hung.
+// Wall seconds after which a case counts as hung, without sanitizers.
 constexpr double kHangSeconds = 60;
 
 }  // namespace granary::stability

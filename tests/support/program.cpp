@@ -14,6 +14,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/support/slowdown.h"
+
 namespace granary::test {
 namespace {
 
@@ -114,7 +116,7 @@ bool Program::wait_for_exit(Clock::time_point deadline) {
 
 int Program::wait(std::chrono::seconds patience) {
   if (!ended_) {
-    const bool exited = wait_for_exit(Clock::now() + patience);
+    const bool exited = wait_for_exit(Clock::now() + kSlowdown * patience);
     EXPECT_TRUE(exited) << "still running after " << patience.count() << " s; stderr:\n" << err();
     if (!exited) kill(pid_, SIGKILL);
     waitpid(pid_, &status_, 0);
@@ -132,13 +134,13 @@ bool Program::prints(const std::string& text, std::chrono::seconds patience) {
   const auto there = [&] {
     return out_.text.find(text) != std::string::npos || err_.text.find(text) != std::string::npos;
   };
-  changed_.wait_for(lock, patience, [&] { return there() || (out_.ended && err_.ended); });
+  changed_.wait_for(lock, kSlowdown * patience, [&] { return there() || (out_.ended && err_.ended); });
   return there();
 }
 
 void Program::collect_output() {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, kPatience, [&] { return out_.ended && err_.ended; });
+  changed_.wait_for(lock, kSlowdown * kPatience, [&] { return out_.ended && err_.ended; });
 }
 
 std::string Program::out() {

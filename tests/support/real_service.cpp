@@ -7,10 +7,12 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/support/slowdown.h"
+
 namespace granary::test {
 
 bool eventually(const std::function<bool()>& holds, std::chrono::milliseconds patience) {
-  const auto deadline = std::chrono::steady_clock::now() + patience;
+  const auto deadline = std::chrono::steady_clock::now() + kSlowdown * patience;
   while (!holds()) {
     if (std::chrono::steady_clock::now() > deadline) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

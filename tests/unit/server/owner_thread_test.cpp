@@ -71,9 +71,9 @@ TEST(OwnerThread, replies_after_the_commit) {
 
 TEST(OwnerThread, a_read_goes_before_waiting_writes_and_needs_no_transaction) {
   FakeTransactions database;
+  std::atomic<int> written = 0;  // outlives the thread, which ends with its last write
   OwnerThread owner(database, {});
   Held held(owner);
-  std::atomic<int> written = 0;
   for (int k = 0; k < 20; ++k) owner.post([&] { ++written; }, nullptr);
   std::promise<std::pair<int, std::string>> seen;
   owner.read([&] { seen.set_value({written, database.log}); }, nullptr);
