@@ -5,6 +5,6 @@
 namespace granary {
 
 inline constexpr const char* kProductVersion = "0.1.0";
-inline constexpr const char* kEngineVersion = "2026.11.11";
+inline constexpr const char* kEngineVersion = "2026.11.12";
 
 }  // namespace granary

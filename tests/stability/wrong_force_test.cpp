@@ -77,6 +77,37 @@ TEST_P(WrongForce, shows_in_the_remainder_with_its_full_work) {
   EXPECT_LT(own, 1e-3 * work);
 }
 
+// A filling keeps stored energies alone: they may fall, and whatever rises in any step adds up.
+TEST(WrongForceInFilling, adds_up_as_energy_from_nowhere) {
+  const auto scene = load_scene(
+      "discharge { particles { count: 30 diameter_min_m: 0.01 density_kg_per_m3: 2200 }\n"
+      "bucket { tip_x_m: -0.1 tip_y_m: 0.1 } friction_pp_deg: 30 friction_pw_deg: 20\n"
+      "rotation_rad_per_s: 10 }\n"
+      "effects { gas: OFF }",
+      "filling.txtpb", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const auto resolved = resolve(*scene);
+  ASSERT_TRUE(resolved) << resolved.error().message;
+  const auto twin = engine_of(resolved->scene);
+  const auto pushed = engine_of(resolved->scene);
+  const double mass = 2200 * std::numbers::pi * 0.005 * 0.005;
+  constexpr int kPushes = 3;
+  for (int k = 0; k < kPushes; ++k) {
+    twin->advance(1e9, 20);
+    pushed->advance(1e9, 20);
+    core::State state = pushed->snapshot();
+    velocity_jumps_by(kPush)(state);
+    pushed->restore(state);
+  }
+  twin->advance(1e9, 200);
+  pushed->advance(1e9, 200);
+  ASSERT_NE(pushed->progress().phase.find("filling"), std::string::npos);
+  // A push finds the disk falling by at most g t: m (dv^2 / 2 - g t dv) is left of its work.
+  const double fall = 9.81 * 60 * 2e-4;
+  EXPECT_GT(pushed->ledger().remainder_j(), kPushes * mass * kPush * (kPush / 2 - fall));
+  EXPECT_LT(std::abs(twin->ledger().remainder_j()), 1e-3 * twin->ledger().throughput_j);
+}
+
 INSTANTIATE_TEST_SUITE_P(, WrongForce, ::testing::ValuesIn(kPushed), [](const auto& info) {
   return std::string(info.index == 0 ? "dem" : "dda");
 });

@@ -45,15 +45,16 @@ template <bool kWall, ContactEffects kEffects>
 }
 
 // A sum of the ledger in a register.
+template <bool kBooked>
 struct BookedLanes {
   Lanes sum = {};
   BookedLanes() = default;
   explicit BookedLanes(const LaneSum& before) : sum(load(before.lane)) {}
   [[gnu::always_inline]] void operator+=(const Lanes& term) {
-    if constexpr (core::kBooks) sum += term;
+    if constexpr (kBooked) sum += term;
   }
   [[gnu::always_inline]] void operator-=(const Lanes& term) {
-    if constexpr (core::kBooks) sum -= term;
+    if constexpr (kBooked) sum -= term;
   }
   double total() const {
     double all_lanes = 0;
@@ -62,13 +63,31 @@ struct BookedLanes {
   }
 };
 
+// A sum that is rarely added to stays in memory: registers are short.
+template <bool kBooked>
+struct StoredLanes {
+  LaneSum& target;
+  [[gnu::always_inline]] void operator-=(const Lanes& term) {
+    if constexpr (kBooked) store(target.lane, load(target.lane) - term);
+  }
+  [[gnu::always_inline]] void operator+=(const Lanes& term) {
+    if constexpr (kBooked) store(target.lane, load(target.lane) + term);
+  }
+};
+
+template <bool kBooked>
 struct LaneSums {
+  static constexpr bool kBooks = kBooked;
+  using Booked = BookedLanes<kBooked>;
+  using Stored = StoredLanes<kBooked>;
   SmallStepSums& target;
   Lanes change = {}, total = {};
-  BookedLanes work{target.work}, damping{target.damping}, friction{target.friction};
-  BookedLanes collision_damping{target.collision_damping};
-  BookedLanes collision_friction{target.collision_friction}, wall_work{target.wall_work};
-  BookedLanes cohesion{target.cohesion}, rolling{target.rolling};
+  Booked normal_work{target.normal_work}, closing_work{target.closing_work};
+  Booked tangential_work{target.tangential_work}, stick_work{target.stick_work};
+  Booked stick_change{target.stick_change}, spring_loss{target.spring_loss};
+  Stored collision_damping{target.collision_damping};
+  Stored collision_friction{target.collision_friction}, wall_work{target.wall_work};
+  Stored cohesion{target.cohesion}, rolling{target.rolling};
   EffectCounts evaluated = {};
 
   [[gnu::always_inline]] void store_all() const {
@@ -77,15 +96,13 @@ struct LaneSums {
       target.total += total[k];
     }
     target.evaluated.add(evaluated);
-    if constexpr (!core::kBooks) return;
-    store(target.work.lane, work.sum);
-    store(target.damping.lane, damping.sum);
-    store(target.friction.lane, friction.sum);
-    store(target.collision_damping.lane, collision_damping.sum);
-    store(target.collision_friction.lane, collision_friction.sum);
-    store(target.wall_work.lane, wall_work.sum);
-    store(target.cohesion.lane, cohesion.sum);
-    store(target.rolling.lane, rolling.sum);
+    if constexpr (!kBooked) return;
+    store(target.normal_work.lane, normal_work.sum);
+    store(target.closing_work.lane, closing_work.sum);
+    store(target.tangential_work.lane, tangential_work.sum);
+    store(target.stick_work.lane, stick_work.sum);
+    store(target.stick_change.lane, stick_change.sum);
+    store(target.spring_loss.lane, spring_loss.sum);
   }
 };
 
@@ -97,60 +114,52 @@ template <ContactEffects kEffects>
   return Lanes{};
 }
 
-// Books the normal impulse P of a finished small step; its spring went from overlap o0 to o1. The
-// dashpot took c (o1 - o0)^2 / h, and P / h over the distance before the gap closed; a contact that
-// lets go, all that was left in its spring; cohesion what a pull did. What the impulse did besides,
-// because the sweeps ended before the law was met, is the integrator's: book_list() in
-// small_steps.cpp. All times h.
-template <ContactEffects kEffects>
-[[gnu::always_inline]] inline void book_normal(const ContactTerms& terms, Lanes gap_before,
-                                               Lanes gap, Lanes impulse_n, LaneSums& sums) {
-  const Lanes overlap = larger(-gap, Lanes{}), opening = larger(gap_before, Lanes{});
-  const Lanes stretch = overlap - (opening - gap_before);
+// Books the normal impulse of a finished small step; `ratio` = c / (K h).
+template <ContactEffects kEffects, typename Sums>
+[[gnu::always_inline]] inline void book_normal(double ratio, Lanes gap_before, Lanes gap,
+                                               Lanes impulse_n, Sums& sums) {
+  const Lanes below_before = smaller(gap_before, Lanes{}), below = smaller(gap, Lanes{});
+  const Lanes stretch = below_before - below;
   const Lanes work = impulse_n * (gap_before - gap);
-  const Lanes in_spring = either(impulse_n > 0.0, terms.damping_n * stretch,
-                                 (-terms.stiffness * terms.small_step) * overlap);
-  sums.work += work;
+  sums.normal_work += work;
+  sums.spring_loss += stretch * either(impulse_n > 0.0, ratio * stretch, below);
   if constexpr (kEffects.cohesion) {
     sums.cohesion += either(impulse_n < 0.0, work, Lanes{});
-    sums.damping += stretch * in_spring + larger(impulse_n, Lanes{}) * opening;
+    sums.closing_work += larger(impulse_n, Lanes{}) * (gap_before - below_before);
   } else {
-    sums.damping += stretch * in_spring + impulse_n * opening;
+    sums.closing_work += impulse_n * (gap_before - below_before);
   }
 }
 
 // Books the tangential impulse of a finished small step. That of a sticking contact is the
 // spring's and the dashpot's; the spring's part S is returned for the next small step. Without
 // history there is no spring.
-template <ContactEffects kEffects>
-[[gnu::always_inline]] inline Lanes book_tangential(const ContactTerms& terms, Lanes moved,
-                                                    Lanes limit, Lanes impulse_t,
-                                                    Lanes stick_before, LaneSums& sums) {
-  const Lanes work = impulse_t * moved;
-  sums.work -= work;
-  if constexpr (!kEffects.history) {
-    sums.friction -= work;
-    return impulse_t;
-  }
+template <ContactEffects kEffects, typename Sums>
+[[gnu::always_inline]] inline Lanes book_tangential(double damping_t, Lanes moved, Lanes limit,
+                                                    Lanes impulse_t, Lanes stick_before,
+                                                    Sums& sums) {
+  sums.tangential_work += impulse_t * moved;
+  if constexpr (!kEffects.history) return impulse_t;
   const Mask sticks = (impulse_t < limit) & (impulse_t > -limit);
-  const Lanes spring = within(impulse_t + terms.damping_t * moved, limit);
+  const Lanes spring = within(impulse_t + damping_t * moved, limit);
   const Lanes stick = either(sticks, spring, impulse_t);
-  sums.damping += stick * moved - work;
-  sums.friction -= stick * (moved + (terms.compliance * terms.small_step) * (stick - stick_before));
+  sums.stick_work += stick * moved;
+  sums.stick_change += stick * (stick - stick_before);
   return stick;
 }
 
-template <bool kWall, ContactEffects kEffects>
+template <bool kWall, ContactEffects kEffects, typename Sums>
 [[gnu::always_inline]] inline Lanes book_small_step(const ContactArrays& contact, std::size_t g,
                                                     const ContactTerms& terms, const Slide& slide,
-                                                    LaneSums& sums) {
+                                                    Sums& sums) {
   const Lanes impulse_n = load(contact.impulse_n + g), impulse_t = load(contact.impulse_t + g);
   const Lanes gap_before = load(contact.gap_now + g);
-  book_normal<kEffects>(terms, gap_before, slide.gap, impulse_n, sums);
+  const double ratio = terms.damping_n / (terms.stiffness * terms.small_step);
+  book_normal<kEffects>(ratio, gap_before, slide.gap, impulse_n, sums);
   const Lanes moved = slide.tangential - load(contact.slide_t + g);
   const Lanes limit = terms.friction * (impulse_n + bond_of<kEffects>(gap_before, terms));
-  const Lanes stick =
-      book_tangential<kEffects>(terms, moved, limit, impulse_t, load(contact.stick_t + g), sums);
+  const Lanes stick = book_tangential<kEffects>(terms.damping_t, moved, limit, impulse_t,
+                                                load(contact.stick_t + g), sums);
   if constexpr (kEffects.rolling) {
     const Lanes impulse_r = load(contact.impulse_r + g);
     sums.rolling -= impulse_r * (slide.rolled - load(contact.rolled + g)) / terms.small_step;
@@ -176,15 +185,32 @@ struct RollingArms {
   }
 };
 
+// Which contacts close in this small step for the first time.
+template <bool kWall>
+[[gnu::always_inline]] inline Mask collisions(const ContactArrays& contact, std::size_t g,
+                                              const ContactTerms& terms, Lanes gap, Lanes nx,
+                                              Lanes ny, const Records& first,
+                                              const Records& second) {
+  Lanes un = (second.a - first.a) * nx + (second.b - first.b) * ny;
+  if constexpr (kWall) un += load(contact.drift_n + g);
+  return (load(contact.rebound + g) > kNoRebound) & (gap + un * terms.small_step < 0.0);
+}
+
 // Collisions as jumps of the velocities: a contact that closes in this small step for the first
 // time gets the rigid impulse that leaves it with its rebound speed, and the friction impulse that
 // stops its sliding within Coulomb's limit. The velocities at the start of the small step jump too,
-// so that the jump is neither taken for an acceleration nor for a work along the way.
-template <bool kWall, ContactEffects kEffects>
-[[gnu::always_inline]] inline void rebound(const ContactArrays& contact, std::size_t g,
-                                           const ContactTerms& terms, Lanes gap, Lanes nx, Lanes ny,
-                                           Records& first, Records& second, DiskMotion* before,
-                                           LaneSums& sums) {
+// so that the jump is neither taken for an acceleration nor for a work along the way. Called for
+// few groups, and through memory: inlined, it took the registers of the sweep's sums.
+template <bool kWall, bool kBooked, ContactEffects kEffects>
+[[gnu::noinline]] void rebound(const ContactArrays& contact, std::size_t g,
+                               const ContactTerms& terms, DiskMotion* motion, DiskMotion* before,
+                               SmallStepSums& target) {
+  LaneSums<kBooked> sums{target};
+  const Lanes nx = load(contact.normal_x + g), ny = load(contact.normal_y + g);
+  Records first = fetch(motion, contact.first + g);
+  Records second = kWall ? Records{} : fetch(motion, contact.second + g);
+  const Mask collides =
+      collisions<kWall>(contact, g, terms, load(contact.gap_now + g), nx, ny, first, second);
   const Lanes wanted = load(contact.rebound + g);
   const Lanes drift_n = kWall ? load(contact.drift_n + g) : Lanes{};
   const Lanes drift_t = kWall ? load(contact.drift_t + g) : Lanes{};
@@ -195,7 +221,6 @@ template <bool kWall, ContactEffects kEffects>
     return surface_speed(a, b, nx, ny) + drift_t;
   };
   const Lanes un = normal_speed(first, second), ut = sliding_speed(first, second);
-  const Mask collides = (wanted > kNoRebound) & (gap + un * terms.small_step < 0.0);
   const Lanes mobility_n = first.d + second.d;
   const Lanes mobility_t = (1.0 + terms.spin_factor) * mobility_n;
   const Lanes impulse_n = either(collides, (wanted - un) / mobility_n, Lanes{});
@@ -226,17 +251,19 @@ template <bool kWall, ContactEffects kEffects>
     add_rolling(first, second, arms.first, arms.second, impulse_r, terms.spin_factor);
     add_rolling(first_before, second_before, arms.first, arms.second, impulse_r, terms.spin_factor);
   }
+  put_back(motion, contact.first + g, first);
   put_back(before, contact.first + g, first_before);
+  if constexpr (!kWall) put_back(motion, contact.second + g, second);
   if constexpr (!kWall) put_back(before, contact.second + g, second_before);
   store(contact.rebound + g, either(collides, all(kNoRebound), wanted));
 }
 
 // Rolling resistance: stops the bodies turning against each other within mu_r times what presses
 // them together.
-template <bool kWall>
+template <bool kWall, typename Sums>
 [[gnu::always_inline]] inline void resist_rolling(const ContactArrays& contact, std::size_t g,
                                                   const ContactTerms& terms, Lanes pressed,
-                                                  Records& first, Records& second, LaneSums& sums) {
+                                                  Records& first, Records& second, Sums& sums) {
   const RollingArms<kWall> arms(contact, g);
   const Lanes old_r = load(contact.impulse_r + g);
   const Lanes new_r = within(old_r - arms.speed(first, second) * load(contact.weight_r + g),
@@ -256,10 +283,10 @@ template <ContactEffects kEffects>
   if constexpr (kEffects.rolling) ++evaluated.rolling;
 }
 
-template <bool kWall, bool kFirst, ContactEffects kEffects>
+template <bool kWall, bool kFirst, ContactEffects kEffects, typename Sums>
 void small_sweep(const ContactArrays& contact, std::size_t count, const ContactTerms& terms,
                  const SmallStep& small, const DiskShift* shift, DiskMotion* motion,
-                 DiskMotion* before, LaneSums& sums) {
+                 DiskMotion* before, Sums& sums) {
   const double per_step = 1 / terms.small_step;
   const double recovery = terms.compliance_n / terms.compliance;
   for (std::size_t g = 0; g < count; g += kGroupSize) {
@@ -269,7 +296,7 @@ void small_sweep(const ContactArrays& contact, std::size_t count, const ContactT
     if constexpr (kFirst) {
       const Slide slide = slide_of<kWall, kEffects>(contact, g, nx, ny, small.elapsed, shift);
       gap = slide.gap;
-      if (small.books) stick = book_small_step<kWall, kEffects>(contact, g, terms, slide, sums);
+      if (small.closes) stick = book_small_step<kWall, kEffects>(contact, g, terms, slide, sums);
       store(contact.gap_now + g, gap);
       store(contact.slide_t + g, slide.tangential);
       if constexpr (kEffects.history) store(contact.stick_t + g, stick);
@@ -280,8 +307,12 @@ void small_sweep(const ContactArrays& contact, std::size_t count, const ContactT
     }
     Records first = fetch(motion, contact.first + g);
     Records second = kWall ? Records{} : fetch(motion, contact.second + g);
-    if (contact.group_rebounds[g / kGroupSize])
-      rebound<kWall, kEffects>(contact, g, terms, gap, nx, ny, first, second, before, sums);
+    if (contact.group_rebounds[g / kGroupSize] &&
+        any(collisions<kWall>(contact, g, terms, gap, nx, ny, first, second))) {
+      rebound<kWall, Sums::kBooks, kEffects>(contact, g, terms, motion, before, sums.target);
+      first = fetch(motion, contact.first + g);
+      if constexpr (!kWall) second = fetch(motion, contact.second + g);
+    }
     Lanes un = (second.a - first.a) * nx + (second.b - first.b) * ny;
     Lanes ut = surface_speed(first, second, nx, ny);
     if constexpr (kWall) un += load(contact.drift_n + g), ut += load(contact.drift_t + g);
@@ -310,11 +341,11 @@ void small_sweep(const ContactArrays& contact, std::size_t count, const ContactT
   }
 }
 
-template <bool kWall, ContactEffects kEffects>
-void small_sweep_any(const ContactArrays& contact, std::size_t count, const ContactTerms& terms,
-                     const SmallStep& small, const DiskShift* shift, DiskMotion* motion,
-                     DiskMotion* before, SmallStepSums* sums) {
-  LaneSums lanes{*sums};
+template <bool kWall, bool kBooked, ContactEffects kEffects>
+void small_sweep_booked(const ContactArrays& contact, std::size_t count, const ContactTerms& terms,
+                        const SmallStep& small, const DiskShift* shift, DiskMotion* motion,
+                        DiskMotion* before, SmallStepSums* sums) {
+  LaneSums<kBooked> lanes{*sums};
   if (small.first_sweep)
     small_sweep<kWall, true, kEffects>(contact, count, terms, small, shift, motion, before, lanes);
   else
@@ -323,43 +354,53 @@ void small_sweep_any(const ContactArrays& contact, std::size_t count, const Cont
 }
 
 template <bool kWall, ContactEffects kEffects>
-void close_contacts(const ContactArrays& contact, std::size_t count, const ContactTerms& terms,
-                    const SmallStep& small, const DiskShift* shift, SmallStepSums* sums,
-                    ContactSums* contact_sums) {
-  LaneSums lanes{*sums};
-  BookedLanes overlap2, overlap2_start, stored2, stick2;
+void small_sweep_any(const ContactArrays& contact, std::size_t count, const ContactTerms& terms,
+                     const SmallStep& small, const DiskShift* shift, DiskMotion* motion,
+                     DiskMotion* before, SmallStepSums* sums) {
+  const auto sweep = small.books && core::kBooks ? small_sweep_booked<kWall, core::kBooks, kEffects>
+                                                 : small_sweep_booked<kWall, false, kEffects>;
+  sweep(contact, count, terms, small, shift, motion, before, sums);
+}
+
+template <bool kWall, bool kBooked, ContactEffects kEffects>
+void close_booked(const ContactArrays& contact, std::size_t count, const ContactTerms& terms,
+                  const SmallStep& small, const DiskShift* shift, SmallStepSums* sums,
+                  ContactSums* contact_sums) {
+  LaneSums<kBooked> lanes{*sums};
+  BookedLanes<core::kBooks> overlap2, stick2;
   Lanes worst = {};
   for (std::size_t g = 0; g < count; g += kGroupSize) {
     const Lanes nx = load(contact.normal_x + g), ny = load(contact.normal_y + g);
     const Slide slide = slide_of<kWall, kEffects>(contact, g, nx, ny, small.elapsed, shift);
     const Lanes stick = book_small_step<kWall, kEffects>(contact, g, terms, slide, lanes);
     const Lanes overlap = larger(-slide.gap, Lanes{});
-    const Lanes side = load(contact.offset_t + g);
-    const Lanes gap_then = load(contact.gap_linear + g) + load(contact.curvature + g) * side * side;
-    const Lanes overlap_start = larger(-gap_then, Lanes{});
     overlap2 += overlap * overlap;
-    overlap2_start += overlap_start * overlap_start;
     if constexpr (kEffects.history) {
       store(contact.impulse_t + g, stick);
-      const Lanes stored = load(contact.stored_t + g);
-      stored2 += stored * stored;
       stick2 += stick * stick;
     }
     if constexpr (core::kBooks) worst = larger(worst, -load(contact.gap_start + g));
   }
   lanes.store_all();
   contact_sums->overlap2 += overlap2.total();
-  contact_sums->overlap2_start += overlap2_start.total();
-  contact_sums->stored2 += stored2.total();
   contact_sums->stick2 += stick2.total();
   for (std::size_t k = 0; k < kGroupSize; ++k) {
     if (worst[k] > contact_sums->worst_overlap) contact_sums->worst_overlap = worst[k];
   }
 }
 
-// Moves the disks through a small step; see Kernels.
-double advance_disks(const std::uint32_t* index, std::size_t count, double small_step,
-                     const double* mass, DiskMotion* motion, DiskMotion* before, DiskShift* shift) {
+template <bool kWall, ContactEffects kEffects>
+void close_contacts(const ContactArrays& contact, std::size_t count, const ContactTerms& terms,
+                    const SmallStep& small, const DiskShift* shift, SmallStepSums* sums,
+                    ContactSums* contact_sums) {
+  const auto close = small.books && core::kBooks ? close_booked<kWall, core::kBooks, kEffects>
+                                                 : close_booked<kWall, false, kEffects>;
+  close(contact, count, terms, small, shift, sums, contact_sums);
+}
+
+template <bool kBooked>
+double advance(const std::uint32_t* index, std::size_t count, double small_step, const double* mass,
+               DiskMotion* motion, DiskMotion* before, DiskShift* shift) {
   Quad sum = {};
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint32_t i = index[k];
@@ -368,11 +409,18 @@ double advance_disks(const std::uint32_t* index, std::size_t count, double small
     Quad& moved = *reinterpret_cast<Quad*>(shift + i);
     const Quad end = v, gain = end - old;
     moved += small_step * end;
-    if constexpr (core::kBooks) sum += mass[i] * (gain * gain);
+    if constexpr (kBooked) sum += mass[i] * (gain * gain);
     old = end;
     v = end + gain;
   }
   return 0.5 * (sum[0] + sum[1] + 0.5 * sum[2]);
+}
+
+// Moves the disks through a small step; see Kernels.
+double advance_disks(const std::uint32_t* index, std::size_t count, double small_step, bool books,
+                     const double* mass, DiskMotion* motion, DiskMotion* before, DiskShift* shift) {
+  const auto move = books && core::kBooks ? advance<core::kBooks> : advance<false>;
+  return move(index, count, small_step, mass, motion, before, shift);
 }
 
 }  // namespace

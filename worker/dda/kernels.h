@@ -87,8 +87,9 @@ struct SweepSums {
 // Small steps: what a sweep needs besides ContactTerms, and what it adds up.
 struct SmallStep {
   double elapsed;    // s, since the start of the step
-  bool first_sweep;  // of this small step: books the small step before
-  bool books;        // a small step was done before
+  bool first_sweep;  // of this small step: ends the small step before
+  bool closes;       // there was one in this step
+  bool books;        // adds up what it did to the energies
 };
 // A sum of the ledger, lane by lane: adding up the lanes after every sweep would cost more than the
 // terms do.
@@ -100,12 +101,19 @@ struct alignas(64) LaneSum {
     return sum;
   }
 };
-// The ledger's sums run over a whole step. Those of the springs are times h [N m s]: a common
-// factor is left to the end of the step.
+// The ledger's sums run over a whole step, and factors common to all contacts are left to its end:
+// booked_of() in small_steps.cpp puts together what the laws did. P_n, P_t = impulses of a small
+// step, o', g' and o, g = overlaps and gaps at its start and end, d = tangential displacement in
+// it, S', S = the tangential spring's impulse at its start and end.
 struct SmallStepSums {
-  LaneSum work;      // of the contacts' impulses on the disks: P_n (gap before - gap) - P_t d_t
-  LaneSum damping;   // of dashpots, before gaps closed, and what springs held that let go
-  LaneSum friction;  // of sliding, where springs were cut off at Coulomb's limit
+  // N m s
+  LaneSum normal_work;      // P_n (g' - g)
+  LaneSum closing_work;     // P_n times the part of it before the gap closed
+  LaneSum tangential_work;  // P_t d
+  LaneSum stick_work;       // S d
+  LaneSum stick_change;     // S (S - S') [N2 s2]
+  LaneSum spring_loss;  // (o - o') c / (K h) (o - o'); if it let go, of all the spring held: -(o -
+                        // o') o [m2]
   // J
   LaneSum collision_damping;  // J
   LaneSum collision_friction;
@@ -118,11 +126,9 @@ struct SmallStepSums {
 };
 // Sums over the contacts of a step.
 struct ContactSums {
-  double overlap2 = 0;        // m2, at the end
-  double overlap2_start = 0;  // of the gaps as the step sees them
-  double stored2 = 0;         // N2, tangential forces at the start
-  double stick2 = 0;          // N2 s2, of the tangential springs, last small step
-  double worst_overlap = 0;   // m, at the start
+  double overlap2 = 0;       // m2, at the end
+  double stick2 = 0;         // N2 s2, of the tangential springs, last small step
+  double worst_overlap = 0;  // m, at the start
 };
 
 // Kernels of one combination of contact laws.
@@ -140,7 +146,7 @@ struct ContactKernels {
   void (*small_sweep_walls)(const ContactArrays&, std::size_t count, const ContactTerms&,
                             const SmallStep&, const DiskShift*, DiskMotion*, DiskMotion* before,
                             SmallStepSums*);
-  // Books the last small step of a step.
+  // Ends the last small step of a step.
   void (*close_pairs)(const ContactArrays&, std::size_t count, const ContactTerms&,
                       const SmallStep&, const DiskShift*, SmallStepSums*, ContactSums*);
   void (*close_walls)(const ContactArrays&, std::size_t count, const ContactTerms&,
@@ -158,9 +164,10 @@ struct Kernels {
                               const ContactArrays&, std::uint8_t* touched, std::int32_t* picked,
                               std::size_t* contact_count);
   // Moves the disks of `index` through a small step h and starts the next one with the same
-  // acceleration (gravity and warm start in one). Returns sum m dv^2 / 2 [J].
+  // acceleration (gravity and warm start in one). Returns sum m dv^2 / 2 [J], 0 without books.
   double (*advance_disks)(const std::uint32_t* index, std::size_t count, double small_step,
-                          const double* mass, DiskMotion*, DiskMotion* before, DiskShift*);
+                          bool books, const double* mass, DiskMotion*, DiskMotion* before,
+                          DiskShift*);
   ContactKernels combination[kCombinationCount];  // in the order of kContactCombinations
 
   // Precondition: the table has this combination.

@@ -54,35 +54,80 @@ struct SmallSteps {
 };
 
 // Springs at the start of a step, as the step sees them.
-double elastic_at_start(const ContactTerms& terms, const ContactSums& contacts) {
-  return 0.5 * terms.stiffness * contacts.overlap2_start + contacts.stored2 / (2 * terms.stiffness);
+double elastic_at_start(const ContactTerms& terms, const ActiveContacts& contacts) {
+  double overlap2 = 0, stored2 = 0;
+  for (std::size_t k = 0; k < contacts.size; ++k) {
+    const double side = contacts.offset_t[k], stored = contacts.stored_t[k];
+    const double gap = contacts.gap_linear[k] + contacts.curvature[k] * side * side;
+    if (gap < 0) overlap2 += gap * gap;
+    stored2 += stored * stored;
+  }
+  return 0.5 * terms.stiffness * overlap2 + stored2 / (2 * terms.stiffness);
 }
 
-// Channels of one list; returns the elastic energy at the end of the step. The integrator's share
-// is what the impulses did on the disks less what the laws dissipate and what the springs keep.
-double book_list(const ContactTerms& terms, const SmallStepSums& sums, const ContactSums& contacts,
-                 core::EnergyLedger& ledger) {
-  const double per_step = 1 / terms.small_step;
-  const double elastic_start = elastic_at_start(terms, contacts);
-  const double elastic_end =
-      0.5 * terms.stiffness * contacts.overlap2 + 0.5 * terms.compliance * contacts.stick2;
-  const double cohesion = sums.cohesion.total() * per_step, rolling = sums.rolling.total();
-  const double by_springs = sums.damping.total() * per_step;
-  const double by_sliding = sums.friction.total() * per_step;
-  const double integrator = sums.work.total() * per_step - by_springs - by_sliding - cohesion -
-                            (elastic_end - elastic_start);
-  const double damping = by_springs + sums.collision_damping.total();
-  const double friction = by_sliding + sums.collision_friction.total();
-  const double wall_work = sums.wall_work.total();
-  ledger[EnergyChannel::cohesion] += cohesion;
-  ledger[EnergyChannel::rolling] += rolling;
-  ledger[EnergyChannel::integrator] += integrator;
-  ledger[EnergyChannel::friction] += friction;
-  ledger[EnergyChannel::normal_damping] += damping;
-  ledger[EnergyChannel::wall_work] += wall_work;
-  ledger.throughput_j += std::abs(integrator) + std::abs(friction) + std::abs(damping) +
-                         std::abs(wall_work) + std::abs(cohesion) + std::abs(rolling);
-  return elastic_end;
+double elastic_at_end(const ContactTerms& terms, const ContactSums& contacts) {
+  return 0.5 * terms.stiffness * contacts.overlap2 + 0.5 * terms.compliance * contacts.stick2;
+}
+
+// What the contacts did in a step [J].
+struct Booked {
+  double by_springs = 0;  // work on springs, dashpots and friction, all impulses together
+  double damping = 0;     // of dashpots, before gaps closed, and what springs held that let go
+  double friction = 0;    // of sliding, where springs were cut off at Coulomb's limit
+  double cohesion = 0, rolling = 0, wall_work = 0;
+  double collision_damping = 0, collision_friction = 0;
+};
+
+void add_list(const ContactTerms& terms, const SmallStepSums& sums, bool history, Booked& booked) {
+  const double h = terms.small_step, sliding = sums.tangential_work.total();
+  const double lost_in_springs = terms.stiffness * h * sums.spring_loss.total();
+  double damping = lost_in_springs + sums.closing_work.total(), friction = -sliding;
+  if (history) {
+    const double stuck = sums.stick_work.total();
+    damping += stuck - sliding;
+    friction = -(stuck + terms.compliance * h * sums.stick_change.total());
+  }
+  booked.by_springs += (sums.normal_work.total() - sliding) / h;
+  booked.damping += damping / h;
+  booked.friction += friction / h;
+  booked.cohesion += sums.cohesion.total() / h;
+  booked.rolling += sums.rolling.total();
+  booked.wall_work += sums.wall_work.total();
+  booked.collision_damping += sums.collision_damping.total();
+  booked.collision_friction += sums.collision_friction.total();
+}
+
+// The integrator's share is what the contacts took from the disks, less what their laws dissipate
+// and what the springs keep: the sweeps end before the laws are met.
+void write_books(const Booked& booked, double elastic_gain, core::EnergyLedger& ledger) {
+  const auto write = [&](EnergyChannel channel, double energy) {
+    ledger[channel] += energy;
+    ledger.throughput_j += std::abs(energy);
+  };
+  write(EnergyChannel::integrator,
+        booked.by_springs - booked.damping - booked.friction - booked.cohesion - elastic_gain);
+  write(EnergyChannel::normal_damping, booked.damping + booked.collision_damping);
+  write(EnergyChannel::friction, booked.friction + booked.collision_friction);
+  write(EnergyChannel::cohesion, booked.cohesion);
+  write(EnergyChannel::rolling, booked.rolling);
+  write(EnergyChannel::wall_work, booked.wall_work);
+}
+
+void book_step(System& system, const SmallSteps& steps, double elastic) {
+  core::EnergyLedger& ledger = system.ledger;
+  if (system.ledger_is_new)
+    start_elastic(system, elastic_at_start(steps.of_pairs, system.pair_contacts) +
+                              elastic_at_start(steps.of_walls, system.wall_contacts));
+  if (system.keeps_books) {
+    Booked booked;
+    const bool history = system.contact.effects.history;
+    add_list(steps.of_pairs, system.pair_sums, history, booked);
+    add_list(steps.of_walls, system.wall_sums, history, booked);
+    write_books(booked, elastic - ledger.elastic_j, ledger);
+    ledger[EnergyChannel::integrator] += system.kinetic_dissipation;
+    ledger.throughput_j += system.kinetic_dissipation;
+  }
+  ledger.elastic_j = elastic;
 }
 
 }  // namespace
@@ -99,7 +144,8 @@ void solve_small_steps(System& system) {
   std::uint32_t sweeps = 0;
   bool all_converged = true;
   for (std::uint32_t s = 0; s < count; ++s) {
-    SmallStep small{.elapsed = s * h, .first_sweep = true, .books = s > 0};
+    SmallStep small{
+        .elapsed = s * h, .first_sweep = true, .closes = s > 0, .books = system.keeps_books};
     std::uint32_t done = 0;
     do {
       steps.sweep(small);
@@ -108,9 +154,10 @@ void solve_small_steps(System& system) {
     } while (!steps.converged() && done < most_sweeps);
     all_converged = all_converged && steps.converged();
     sweeps += done;
-    system.kinetic_dissipation += kernels().advance_disks(
-        system.touched_index.data(), system.touched_index.size(), h, system.mass.data(),
-        system.disks.motion.data(), system.motion_before.data(), system.shift.data());
+    system.kinetic_dissipation +=
+        kernels().advance_disks(system.touched_index.data(), system.touched_index.size(), h,
+                                system.keeps_books, system.mass.data(), system.disks.motion.data(),
+                                system.motion_before.data(), system.shift.data());
   }
   // The last advance has begun a step that is not taken.
   for (const std::uint32_t k : system.touched_index)
@@ -124,7 +171,10 @@ void solve_small_steps(System& system) {
 
 void close_small_steps(System& system) {
   SmallSteps steps{system};
-  const SmallStep end{.elapsed = system.time_step, .first_sweep = true, .books = true};
+  const SmallStep end{.elapsed = system.time_step,
+                      .first_sweep = true,
+                      .closes = true,
+                      .books = system.keeps_books};
   ContactSums pairs, walls;
   steps.run.close_pairs(steps.pairs, steps.pair_count, steps.of_pairs, end, system.shift.data(),
                         &system.pair_sums, &pairs);
@@ -133,13 +183,8 @@ void close_small_steps(System& system) {
   system.report.worst_overlap = std::max(pairs.worst_overlap, walls.worst_overlap);
   system.counters.effects.add(system.pair_sums.evaluated);
   system.counters.effects.add(system.wall_sums.evaluated);
-  core::EnergyLedger& ledger = system.ledger;
-  book_relinearised(
-      system, elastic_at_start(steps.of_pairs, pairs) + elastic_at_start(steps.of_walls, walls));
-  ledger.elastic_j = book_list(steps.of_pairs, system.pair_sums, pairs, ledger) +
-                     book_list(steps.of_walls, system.wall_sums, walls, ledger);
-  ledger[EnergyChannel::integrator] += system.kinetic_dissipation;
-  ledger.throughput_j += system.kinetic_dissipation;
+  book_step(system, steps,
+            elastic_at_end(steps.of_pairs, pairs) + elastic_at_end(steps.of_walls, walls));
 }
 
 void integrate_small_steps(System& system) {

@@ -77,6 +77,7 @@ void small_steps(System& system, PhaseClock& clock) {
 
 void step(System& system) {
   PhaseClock clock(system);
+  const double remainder = system.ledger.remainder_j();
   refresh_lists(system);
   clock.lap(StepPhase::lists);
   begin_integration(system);
@@ -88,6 +89,7 @@ void step(System& system) {
     one_solve(system, clock);
   if (system.damping_rate > 0) damp_disks(system);
   grow_penalty(system);
+  if (!system.keeps_books) lower_ledger_start(system, remainder);
   finish_step(system);
 }
 

@@ -130,14 +130,21 @@ void open_ledger(System& system) {
   system.report.kinetic_energy = ledger.kinetic_j;
 }
 
+void start_elastic(System& system, double elastic_at_start) {
+  core::EnergyLedger& ledger = system.ledger;
+  ledger.stored_at_start_j += elastic_at_start - ledger.elastic_j;
+  ledger.elastic_j = elastic_at_start;
+  system.ledger_is_new = false;
+}
+
+void lower_ledger_start(System& system, double remainder) {
+  system.ledger.stored_at_start_j += std::min(system.ledger.remainder_j() - remainder, 0.0);
+}
+
 void book_relinearised(System& system, double elastic_at_start) {
   core::EnergyLedger& ledger = system.ledger;
+  if (system.ledger_is_new) start_elastic(system, elastic_at_start);
   const double jump = elastic_at_start - ledger.elastic_j;
-  if (system.ledger_is_new) {
-    ledger.stored_at_start_j += jump;
-    system.ledger_is_new = false;
-    return;
-  }
   ledger[EnergyChannel::integrator] -= jump;
   ledger.throughput_j += std::abs(jump);
 }

@@ -17,6 +17,14 @@ namespace granary::dda {
 // stored force knows of (disks placed by hand) join the start at the first step.
 void open_ledger(System& system);
 
+// The springs' energy as the first step sees it joins the start of the balance.
+void start_elastic(System& system, double elastic_at_start);
+
+// Without books (nothing drives the disks: a filling in a bucket at rest) only the stored energies
+// are kept. They can but fall: the start of the balance follows them down, step by step, so that
+// the remainder adds up all energy that came from nowhere. `remainder` = that before the step [J].
+void lower_ledger_start(System& system, double remainder);
+
 // The gap of a contact is linear in the displacements of a step. Where it starts differs from where
 // the step before ended, by second order in what the normal turned: the springs' energy changes
 // without a displacement, and that is the integrator's doing.

@@ -126,6 +126,7 @@ struct System {
 
   core::EnergyLedger ledger;
   bool ledger_is_new = true;  // overlaps at its start are only seen in its first step
+  bool keeps_books = true;    // false while nothing drives the disks: lower_ledger_start()
   StepCounters counters;
   StepReport report;
   std::array<double, kStepPhaseCount> phase_seconds{};

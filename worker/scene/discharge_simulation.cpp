@@ -77,6 +77,7 @@ void DischargeSimulation::start_phase(DischargePhase phase, double start_time, d
   phase_ = phase;
   phase_start_ = start_time;
   phase_steps_ = 0;
+  choose_books();
   system_.time = start_time;
   system_.time_step = time_step;
 }
@@ -89,6 +90,12 @@ void DischargeSimulation::choose_solver() {
   system_.solver = plan_.solver;
   if (fills) system_.solver = {.tolerance = plan_.filling_tolerance};
   system_.penalty = fills ? dda::PenaltyGrowth{} : plan_.penalty;
+}
+
+// A filling's ledger is opened anew when the bucket starts to move, so nobody reads its channels.
+// That energies can but fall watches it well enough, except where bridges pull disks together.
+void DischargeSimulation::choose_books() {
+  system_.keeps_books = phase_ != DischargePhase::filling || system_.contact.effects.cohesion;
 }
 
 void DischargeSimulation::begin_filling() {

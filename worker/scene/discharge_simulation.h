@@ -40,7 +40,8 @@ class DischargeSimulation : public core::Simulation {
   DischargePhase phase() const { return phase_; }
 
  private:
-  void choose_solver();  // of the phase
+  void choose_solver();
+  void choose_books();  // of the phase
   void begin_filling();
   void end_filling();
   void begin_motion();

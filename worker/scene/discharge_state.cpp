@@ -288,6 +288,7 @@ void DischargeSimulation::restore(const State& state) {
   const auto scenario = state.get<double>("scenario");
   if (scenario.size() != 4) throw std::runtime_error("state: it comes from another version");
   phase_ = static_cast<DischargePhase>(static_cast<int>(scenario[0]));
+  choose_books();
   choose_solver();
   phase_start_ = scenario[1];
   phase_steps_ = static_cast<std::uint64_t>(scenario[2]);
