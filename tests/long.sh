@@ -68,7 +68,7 @@ tsan() {
     physics_chute_paper physics_dda physics_dem physics_frames physics_papers stability_cases)
   cmake --preset tsan >"$log/tsan_build.log" && cmake --build --preset tsan --target toy_engine "${programs[@]}" >>"$log/tsan_build.log"
   timed tsan "everything without gRPC, and the server's parts" ctest --test-dir build/tsan --output-on-failure \
-    -j "$(nproc)" -E '_NOT_BUILT$' -L 'unit|physics|stability|faults|compat'
+    -j "$(nproc)" -E '_NOT_BUILT$|^Fuzz' -L 'unit|physics|stability|faults|compat'
 }
 
 for part in "${parts[@]}"; do "$part"; done

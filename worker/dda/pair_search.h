@@ -34,7 +34,7 @@ class PairSearch {
  private:
   struct Sorted {
     double x, y, span;  // span = reach + sweep
-    bool wide;
+    double usual_span;  // the same, but for wide ones, which usual ones leave to them
   };
   struct Path {
     double x, y, vx, vy, reach;
@@ -45,6 +45,7 @@ class PairSearch {
   void sort_into_cells(std::span<const SearchDisk> disks);
   void look_around(std::size_t one);
   void look_far(std::size_t one);
+  template <bool kIsWide>
   void look_into(std::size_t one, std::size_t begin, std::size_t end);
   std::uint32_t column_of(double x) const;
   std::uint32_t row_of(double y) const;
