@@ -5,8 +5,10 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <optional>
 
 #include "client/commands/catalogue.h"
+#include "client/commands/duration.h"
 #include "client/commands/query_rows.h"
 #include "client/commands/study_request.h"
 #include "client/render/price_plot.h"
@@ -23,6 +25,8 @@ struct PriceOptions {
   std::uint32_t rungs = 0;
   std::uint32_t replicates = 0;
   double ratio = 0;
+  std::optional<double> target;
+  std::string budget;
 };
 
 const v1::Quantity* figure(const v1::Study& study, const std::string& key) {
@@ -50,6 +54,8 @@ std::string verdict_of(const v1::Study& study, const std::string& rung,
   const v1::Quantity* bias = figure(study, "bias|" + rung + "|" + observable);
   if (bias == nullptr) return "";
   const v1::Quantity* order = figure(study, "order|" + path_of(rung) + "|" + observable);
+  if (order != nullptr && order->error_basis() == "screening")
+    return "screening, " + bias->error_basis();
   if (order == nullptr || !order->has_value()) return bias->error_basis();
   char text[48];
   std::snprintf(text, sizeof text, "%s, order %.2g", bias->error_basis().c_str(), order->value());
@@ -115,15 +121,26 @@ void say_verdicts(Context& context, const v1::Study& study) {
   }
 }
 
-Outcome price(Context& context, const PriceOptions& options) {
-  auto request = study_request(context, options.submission);
-  if (!request) return request.error();
-  v1::Price& price = *request->mutable_spec()->mutable_price();
+Status fill_in(v1::Price& price, const PriceOptions& options) {
   for (const std::string& name : options.observables) price.add_observable(name);
   for (const std::string& path : options.ladders) price.add_ladder(path);
   if (options.rungs > 0) price.set_rungs(options.rungs);
   if (options.replicates > 0) price.set_replicates(options.replicates);
   if (options.ratio > 0) price.set_ratio(options.ratio);
+  if (options.target) price.set_target(*options.target);
+  if (options.budget.empty()) return Done{};
+  auto budget_s = parse_duration_s(options.budget);
+  if (!budget_s)
+    return Error{ErrorCode::invalid_argument, "--budget " + budget_s.error().message, ""};
+  price.set_budget_s(*budget_s);
+  return Done{};
+}
+
+Outcome price(Context& context, const PriceOptions& options) {
+  auto request = study_request(context, options.submission);
+  if (!request) return request.error();
+  if (Status filled = fill_in(*request->mutable_spec()->mutable_price(), options); !filled)
+    return filled.error();
   auto study = run_study(context, std::move(*request));
   if (!study) return study.error();
   if (!*study) return ExitCode::interrupted;
@@ -162,6 +179,14 @@ void add_price(CommandLine& line) {
   verb.add_option("--ratio", options->ratio, "of the setting between two rungs");
   verb.add_option("--replicates", options->replicates, "per rung (default 4)")
       ->check(CLI::Range(2, 100));
+  verb.add_option("--target", options->target,
+                  "relative error, e.g. 0.01: a ladder in which the scene meets it is climbed no "
+                  "further")
+      ->type_name("SHARE");
+  verb.add_option("--budget", options->budget,
+                  "CPU time of the whole study, e.g. 10m: finer rungs that do not fit are left out "
+                  "(the scene and its coarser rungs always run)")
+      ->type_name("DURATION");
   line.on(verb, [options](Context& context) { return price(context, *options); });
 }
 

@@ -27,6 +27,7 @@ struct ShortOutcome {
 class OutcomeList {
  public:
   void add(const TrialOutcome& outcome);
+  void add(ShortOutcome outcome) { outcomes_.push_back(std::move(outcome)); }
   std::size_t size() const { return outcomes_.size(); }
   const ShortOutcome& operator[](std::size_t trial) const { return outcomes_[trial]; }
 

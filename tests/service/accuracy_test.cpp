@@ -78,6 +78,29 @@ TEST_F(Accuracy, price_prints_every_rung_and_stores_it_in_its_view) {
   EXPECT_THAT(svg.str(), testing::Not(HasSubstr(scene("discharge_small")))) << "a path in a title";
 }
 
+TEST_F(Accuracy, price_names_what_its_budget_leaves_out) {
+  start_worker(2);
+  auto arguments = small_bucket("price");
+  arguments.insert(arguments.end(),
+                   {"--observable", "f1_m", "--ladder", "discharge.time_step_s", "--rungs", "3",
+                    "--replicates", "2", "--budget", "0.001s", "--format", "json"});
+  const Outputs outputs = granary(arguments);
+  EXPECT_EQ(outputs.exit_code, 0) << outputs.err;
+  EXPECT_THAT(outputs.err, HasSubstr("budget_s = 0.001 left out discharge.time_step_s=0.0001"));
+  const json table = json::parse(outputs.out);
+  int steps = 0;
+  for (const json& row : table) {
+    if (row["setting"] != "discharge.time_step_s") continue;
+    ++steps;
+    EXPECT_GE(row["rung"].get<double>(), 2e-4);
+  }
+  EXPECT_EQ(steps, 2);
+  arguments.insert(arguments.end(), {"--target", "2"});
+  const Outputs refused = granary(arguments);
+  EXPECT_NE(refused.exit_code, 0);
+  EXPECT_THAT(refused.err, HasSubstr("price.target: = 2 is out of range, must be > 0 and < 1"));
+}
+
 // What AUTO decides at 1 % against what the ablation measures, at 16 rpm; the whole comparison is
 // tests/accuracy/ablate.sh.
 TEST_F(Accuracy, auto_decides_as_the_ablation_measures) {
