@@ -7,8 +7,8 @@ namespace granary::dda {
 namespace {
 
 struct PairGeometry {
-  Lanes nx, ny, gap_start, gap_linear, offset_t, curvature, bias_n, weight_n, weight_t, rebound;
-  Mask bounces;
+  Lanes nx, ny, un, gap_start, gap_linear, offset_t, curvature, rebound;
+  Mask bounces, collides;
 };
 
 // The normal is taken where the velocities of the last step lead by `normal_time`; at the present
@@ -28,22 +28,21 @@ struct PairGeometry {
   const Lanes nx = bx / base, ny = by / base;
   const Lanes un = ux * nx + uy * ny;
   const Lanes gap_linear = dx * nx + dy * ny - reach;
-  const Lanes inverse_mass = v1.d + v2.d;
   const Mask bounces =
       (un < -terms.restitution_threshold) & (gap_linear + un * terms.time_step < 0.0);
-  const Lanes bias = gap_linear / terms.time_step;
-  const bool elastic = terms.restitution > 0;
-  return {nx,
-          ny,
-          distance - reach,
-          gap_linear,
-          dy * nx - dx * ny,
-          0.5 / base,
-          elastic ? either(bounces, smaller(bias, terms.restitution * un), bias) : bias,
-          terms.relaxation / (inverse_mass + terms.compliance_n),
-          terms.relaxation / ((1.0 + terms.spin_factor) * inverse_mass + terms.compliance_t),
-          either(bounces & (force <= 0.0), -terms.restitution * un, all(kNoRebound)),
-          bounces & (force <= 0.0)};
+  const Mask unforced = force <= 0.0;  // since it closes, for the first time
+  return {nx,         ny,
+          un,         distance - reach,
+          gap_linear, dy * nx - dx * ny,
+          0.5 / base, either(bounces & unforced, -terms.restitution * un, all(kNoRebound)),
+          bounces,    bounces & unforced};
+}
+
+// Bias of the normal of one solve, restitution included [m/s].
+[[gnu::always_inline]] inline Lanes bias_of(const PairGeometry& pair, const ContactTerms& terms) {
+  const Lanes bias = pair.gap_linear / terms.time_step;
+  if (!(terms.restitution > 0)) return bias;
+  return either(pair.bounces, smaller(bias, terms.restitution * pair.un), bias);
 }
 
 // Slots of the candidates of [begin, end) that can act: near at the end of the step, or in force.
@@ -91,18 +90,24 @@ struct PairGeometry {
   }
   const Lanes force = load(forces), stored = load(stored_forces);
   const Mask padding = *reinterpret_cast<const Mask*>(padding_lanes);
+  const Records v1 = fetch(motion, first), v2 = fetch(motion, second);
   const PairGeometry pair =
-      pair_geometry(fetch(pose, first), fetch(pose, second), fetch(motion, first),
-                    fetch(motion, second), force, terms);
+      pair_geometry(fetch(pose, first), fetch(pose, second), v1, v2, force, terms);
   const auto put = [&](double* to, Lanes value, double inert) {
     store(to + g, either(padding, all(inert), value));
   };
   put(out.normal_x, pair.nx, 1);
   put(out.normal_y, pair.ny, 0);
-  put(out.bias_n, pair.bias_n, 1);
-  store(out.bias_t + g, -terms.compliance * terms.small_step * stored);
-  put(out.weight_n, pair.weight_n, 0);
-  put(out.weight_t, pair.weight_t, 0);
+  if (terms.weight_n == 0) {
+    const Lanes inverse_mass = v1.d + v2.d;
+    put(out.weight_n, terms.relaxation / (inverse_mass + terms.compliance_n), 0);
+    put(out.weight_t,
+        terms.relaxation / ((1.0 + terms.spin_factor) * inverse_mass + terms.compliance_t), 0);
+  }
+  if (terms.small_step == terms.time_step) {  // one solve
+    put(out.bias_n, bias_of(pair, terms), 1);
+    store(out.bias_t + g, -terms.compliance * terms.small_step * stored);
+  }
   store(out.impulse_n + g, terms.small_step * force);
   store(out.impulse_t + g, terms.small_step * stored);
   put(out.gap_start, pair.gap_start, 1);
@@ -112,7 +117,7 @@ struct PairGeometry {
   put(out.curvature, pair.curvature, 0);
   put(out.rebound, pair.rebound, kNoRebound);
   bool some_bounce = false;
-  for (std::size_t k = 0; k < real; ++k) some_bounce |= pair.bounces[k] != 0;
+  for (std::size_t k = 0; k < real; ++k) some_bounce |= pair.collides[k] != 0;
   out.group_rebounds[g / kGroupSize] = some_bounce;
 }
 

@@ -316,17 +316,20 @@ void small_sweep(const ContactArrays& contact, std::size_t count, const ContactT
     Lanes un = (second.a - first.a) * nx + (second.b - first.b) * ny;
     Lanes ut = surface_speed(first, second, nx, ny);
     if constexpr (kWall) un += load(contact.drift_n + g), ut += load(contact.drift_t + g);
+    const bool one_mass = terms.weight_n > 0;
+    const Lanes weight_n = one_mass ? all(terms.weight_n) : load(contact.weight_n + g);
+    const Lanes weight_t = one_mass ? all(terms.weight_t) : load(contact.weight_t + g);
     const Lanes bond = bond_of<kEffects>(gap, terms);
     const Lanes bias = gap * either(gap > 0.0, all(per_step), all(per_step * recovery));
     const Lanes new_n =
-        larger(old_n - (un + bias + terms.compliance_n * old_n) * load(contact.weight_n + g),
+        larger(old_n - (un + bias + terms.compliance_n * old_n) * weight_n,
                Lanes{} - bond);
     Lanes pressed = new_n;
     if constexpr (kEffects.cohesion) pressed += bond;
     Lanes wanted_t = ut;
     if constexpr (kEffects.history) wanted_t += terms.compliance_t * (old_t - stick);
     const Lanes new_t =
-        within(old_t - wanted_t * load(contact.weight_t + g), terms.friction * pressed);
+        within(old_t - wanted_t * weight_t, terms.friction * pressed);
     const Lanes change_n = new_n - old_n, change_t = new_t - old_t;
     add_impulse<kEffects>(first, second, nx, ny, change_n, change_t, terms.spin_factor);
     if constexpr (kEffects.rolling)

@@ -72,6 +72,7 @@ struct ContactTerms {
   double cohesion_range;         // m, largest gap of a cohesive contact
   double spin_factor;            // 2 for a disk, 0 with particle rotation switched off
   double relaxation;             // over-relaxation of the sweeps
+  double weight_n, weight_t;     // of every contact, where all disks have one mass; 0: each its own
   double normal_time;            // normals are taken where the velocities lead by then [s]
   double restitution;            // 0 = none
   double restitution_threshold;  // m/s, slower approaches do not bounce

@@ -40,6 +40,14 @@ CandidateArrays arrays_of(const CandidateList& list) {
           list.colour_start.data(), list.colour_start.size() - 1};
 }
 
+double weight_n_of(const ContactTerms& terms, double inverse_mass) {
+  return terms.relaxation / (inverse_mass + terms.compliance_n);
+}
+
+double weight_t_of(const ContactTerms& terms, double inverse_mass) {
+  return terms.relaxation / ((1 + terms.spin_factor) * inverse_mass + terms.compliance_t);
+}
+
 struct WallStep {
   RigidPose start, end;  // bucket
 };
@@ -83,9 +91,8 @@ void append_wall_contact(System& system, const ContactTerms& terms, const WallSt
   out.normal_y[k] = normal.y;
   out.bias_n[k] = bias;
   out.bias_t[k] = dot(tangent, wall_velocity) - terms.compliance * terms.small_step * stored;
-  out.weight_n[k] = terms.relaxation / (motion.inverse_mass + terms.compliance_n);
-  out.weight_t[k] =
-      terms.relaxation / ((1 + terms.spin_factor) * motion.inverse_mass + terms.compliance_t);
+  out.weight_n[k] = weight_n_of(terms, motion.inverse_mass);
+  out.weight_t[k] = weight_t_of(terms, motion.inverse_mass);
   out.impulse_n[k] = terms.small_step * force;
   out.impulse_t[k] = terms.small_step * stored;
   out.gap_start[k] = touch->gap_start;
@@ -199,17 +206,31 @@ ContactTerms contact_terms(const System& system, double friction, double reduced
           .cohesion_range = 2 * kCohesionRange * system.mean_radius,
           .spin_factor = spin_factor,
           .relaxation = small_steps ? 1.0 : system.solver.relaxation,
+          .weight_n = 0,
+          .weight_t = 0,
           .normal_time = small_steps ? dt / 2 : dt,
           .restitution = system.contact.restitution,
           .restitution_threshold = kRestitutionThreshold};
 }
 
+// Where all disks have one mass, `disks` of them at a contact, small steps need not load weights.
+ContactTerms with_one_weight(const System& system, ContactTerms terms, int disks) {
+  if (!takes_small_steps(system) || !system.one_mass) return terms;
+  const double inverse_mass = disks * system.disks.motion[0].inverse_mass;
+  terms.weight_n = weight_n_of(terms, inverse_mass);
+  terms.weight_t = weight_t_of(terms, inverse_mass);
+  return terms;
+}
+
 ContactTerms pair_terms(const System& system) {
-  return contact_terms(system, system.contact.friction_disks, system.mean_mass / 2);
+  const ContactTerms terms =
+      contact_terms(system, system.contact.friction_disks, system.mean_mass / 2);
+  return with_one_weight(system, terms, 2);
 }
 
 ContactTerms wall_terms(const System& system) {
-  return contact_terms(system, system.contact.friction_walls, system.mean_mass);
+  const ContactTerms terms = contact_terms(system, system.contact.friction_walls, system.mean_mass);
+  return with_one_weight(system, terms, 1);
 }
 
 ContactArrays arrays_of(ActiveContacts& c) {

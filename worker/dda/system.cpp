@@ -22,10 +22,12 @@ double mean_radius(const Disks& disks) {
 void note_masses(System& system) {
   system.mass.resize(system.disks.count());
   double sum = 0;
+  system.one_mass = system.disks.count() > 0;
   system.smallest_radius = system.lightest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < system.mass.size(); ++k) {
     sum += system.mass[k] = 1 / system.disks.motion[k].inverse_mass;
     system.lightest = std::min(system.lightest, system.mass[k]);
+    system.one_mass &= system.disks.motion[k].inverse_mass == system.disks.motion[0].inverse_mass;
     system.smallest_radius = std::min(system.smallest_radius, system.disks.pose[k].radius);
   }
   system.mean_radius = mean_radius(system.disks);

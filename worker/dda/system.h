@@ -122,7 +122,8 @@ struct System {
   std::vector<double> mass;  // kg
   double mean_mass = 0;
   double mean_radius = 0, smallest_radius = 0;
-  double lightest = 0;  // kg
+  double lightest = 0;    // kg
+  bool one_mass = false;  // all disks have the same
 
   core::EnergyLedger ledger;
   bool ledger_is_new = true;  // overlaps at its start are only seen in its first step

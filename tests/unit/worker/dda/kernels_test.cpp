@@ -61,6 +61,8 @@ ContactTerms terms_of_heap() {
           .cohesion_range = 4e-5,
           .spin_factor = 2,
           .relaxation = 1.2,
+          .weight_n = 0,
+          .weight_t = 0,
           .normal_time = 1e-4,
           .restitution = 0.5,
           .restitution_threshold = 0.02};
@@ -70,7 +72,8 @@ struct SelectedHeap : Heap {
   ActiveContacts active;
   ContactTerms terms = terms_of_heap();
 
-  explicit SelectedHeap(const Kernels& variant) {
+  explicit SelectedHeap(const Kernels& variant, double small_step = terms_of_heap().small_step) {
+    terms.small_step = small_step;  // as long as the step: for one solve
     active.reserve(candidates.size() + kGroupSize * candidates.colour_start.size());
     std::vector<std::uint8_t> touched(disks.count() + 1);
     std::vector<std::int32_t> picked(candidates.size() + kGroupSize);
@@ -93,7 +96,7 @@ struct SelectedHeap : Heap {
 };
 
 Outcome solve(const Kernels& variant) {
-  SelectedHeap heap(variant);
+  SelectedHeap heap(variant, terms_of_heap().time_step);
   const ContactArrays arrays = arrays_of(heap.active);
   DiskMotion* motion = heap.disks.motion.data();
   Outcome outcome;
