@@ -81,7 +81,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--format", options.format, "of the values on stdout")
       ->check(CLI::IsMember({"table", "json"}))
       ->capture_default_str();
-  app.add_option("--threads", options.console.threads, "threads of the engine; never changes a result")
+  app.add_option("--threads", options.console.threads, "threads of a chute's engine; never changes a result")
       ->check(CLI::Range(1, 256));
   app.add_flag("--profile", options.console.profile, "seconds per phase of a time step, on stderr");
   app.add_flag("-q,--quiet", options.console.quiet, "no progress");

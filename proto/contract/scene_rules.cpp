@@ -30,7 +30,7 @@ constexpr auto maybe = Presence::optional;
 constexpr FieldRule kRules[] = {
     {"seed", defaulted, 1, 0, 1.8e19, false, "seed of all randomness"},
     {"replicates", defaulted, 1, 1, 1000, false, "independent repetitions with derived seeds"},
-    {"threads", defaulted, 1, 1, 256, false, "threads of the engine; never changes a result"},
+    {"threads", defaulted, 1, 1, 256, false, "threads of a chute's engine (a discharge has one); never changes a result"},
     {"accuracy.target", maybe, kNone, 0, 0.5, true, "requested relative error"},
     {"accuracy.budget_s", maybe, kNone, 0, 1e8, true, "CPU seconds it may cost"},
     {"output.frame_interval_s", maybe, kNone, 0, 1e6, false,

@@ -83,6 +83,11 @@ std::vector<std::pair<std::string, double>> cost_list(const v1::Cost& cost) {
           {"peak_rss_bytes", static_cast<double>(cost.peak_rss_bytes())}};
 }
 
+// The discharge engine has one thread, however many a scene allows.
+std::uint32_t threads_of(const v1::Scene& scene) {
+  return scene.has_chute() && scene.has_threads() ? scene.threads() : 1;
+}
+
 storage::ProvenanceContent provenance_of(const TaskSpec& spec, const v1::Result& message) {
   storage::ProvenanceContent provenance;
   provenance.engine_version = spec.engine_version;
@@ -115,8 +120,7 @@ v1::Result result_message(const TaskSpec& spec, const RunRecord& record, const R
   result.set_kind(spec.scene.has_chute() ? "chute" : "discharge");
   for (const core::ObservedValue& value : report.values)
     (*result.mutable_values())[value.name] = quantity_of(value);
-  const std::uint32_t threads = spec.scene.has_threads() ? spec.scene.threads() : 1;
-  *result.mutable_cost() = cost_message(record.costs, threads);
+  *result.mutable_cost() = cost_message(record.costs, threads_of(spec.scene));
   *result.mutable_ledger() = ledger_message(report.ledger);
   for (const auto& [name, effect] : spec.effects) (*result.mutable_effects())[name] = effect;
   result.set_engine_version(spec.engine_version);
