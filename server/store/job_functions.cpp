@@ -13,6 +13,8 @@
 namespace granary::server {
 
 struct JobFunctions::Cursors {
+  explicit Cursors(sqlite3* of) : connection(of) {}
+
   sqlite3* connection;
   bool reading = false;
   std::optional<JobCursor> scenes;
@@ -120,7 +122,7 @@ void add(sqlite3* connection, Cursors* cursors, const char* name,
 
 }  // namespace
 
-JobFunctions::JobFunctions(sqlite3* connection) : cursors_(new Cursors{.connection = connection}) {
+JobFunctions::JobFunctions(sqlite3* connection) : cursors_(new Cursors(connection)) {
   add(connection, cursors_.get(), "scene_field", scene_field);
   add(connection, cursors_.get(), "job_value", value_column<1>);
   add(connection, cursors_.get(), "job_error", value_column<2>);
