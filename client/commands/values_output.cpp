@@ -33,6 +33,9 @@ Status write_values(Context& context, const std::vector<v1::GetValuesResponse>& 
     for (const auto& response : responses) lines += values_json(response) + "\n";
     return context.write(lines);
   }
+  for (const auto& response : responses)  // json has them in its line
+    for (const std::string& warning : response.result().warnings())
+      context.say("warning: " + response.name() + ": " + warning);
   render::Table table{{"job", "observable", "value", "error", "unit", "error_basis"}, {}};
   for (const auto& response : responses) add_rows(response, table);
   if (table.rows.empty() && context.format() == render::Format::table) return Done{};

@@ -14,6 +14,7 @@ namespace granary::session {
 namespace {
 
 constexpr std::chrono::seconds kServerStart{30};
+constexpr int kUsageExit = 2;  // of granaryd: settings it refuses
 constexpr std::chrono::milliseconds kStartPoll{50};
 constexpr std::chrono::milliseconds kProbeTimeout{500};
 constexpr std::chrono::hours kIdle{1};
@@ -30,7 +31,7 @@ sigset_t watched_signals() {
 
 std::string describe_end(int wait_status) {
   if (WIFSIGNALED(wait_status))
-    return std::string("was killed by ") + strsignal(WTERMSIG(wait_status));
+    return std::string("was ended by a signal: ") + strsignal(WTERMSIG(wait_status));
   return "exited with " + std::to_string(WEXITSTATUS(wait_status));
 }
 
@@ -66,7 +67,7 @@ Status Supervisor::run(const std::function<void(const std::string&)>& on_ready) 
   }
   drain();
   directory_.forget_server();
-  return served;
+  return server_refused_ ? refusal() : served;
 }
 
 Status Supervisor::prepare() {
@@ -105,12 +106,21 @@ Status Supervisor::start(Child& child) {
   return Done{};
 }
 
+Error Supervisor::refusal() {
+  return {ErrorCode::invalid_argument, "the server refused its settings, see above", ""};
+}
+
 Status Supervisor::start_server() {
+  // Otherwise that one would be taken for ours, and the workers would work for it.
+  if (serving_connection(address_, kProbeTimeout))
+    return Error{ErrorCode::invalid_argument,
+                 "another server serves " + address_ + ": choose another address", "listen"};
   if (auto started = start(server_); !started) return started.error();
   const auto deadline = Clock::now() + kServerStart;
   while (!serving_connection(address_, kProbeTimeout)) {
     const int signal = next_signal(Clock::now() + kStartPoll);
     if (signal == SIGCHLD) reap();
+    if (server_.pid < 0 && server_refused_) return refusal();
     if (server_.pid < 0)
       return Error{ErrorCode::unavailable, "the server stopped while starting", ""};
     if (signal != 0 && signal != SIGCHLD) {
@@ -182,6 +192,10 @@ void Supervisor::note_death(Child& child, int wait_status) {
   child.pid = -1;
   const bool left = WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0;
   if (draining_ || (left && &child == &server_)) return;
+  if (&child == &server_ && WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == kUsageExit) {
+    server_refused_ = true;  // and would again
+    return;
+  }
   const std::chrono::duration<double> lived = Clock::now() - child.started;
   const double delay_s = child.policy.delay_after_s(lived.count());
   child.restart_at = Clock::now() + std::chrono::duration_cast<Clock::duration>(

@@ -49,6 +49,7 @@ class Supervisor {
   Status prepare();
   Status start(Child& child);
   Status start_server();
+  static Error refusal();
   void start_workers();
   void supervise();
   // Waits for a signal until `deadline`: its number, 0 when none came.
@@ -68,6 +69,7 @@ class Supervisor {
   Child server_;
   std::vector<Child> workers_;
   bool draining_ = false;
+  bool server_refused_ = false;  // its settings; it would do so again
 };
 
 // The address by which local workers reach a server that listens on `listen`.

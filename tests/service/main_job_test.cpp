@@ -72,6 +72,13 @@ TEST_F(MainJob, two_fresh_runs_are_bitwise_the_same) {
   EXPECT_EQ(hashes[0], hashes[1]);
 }
 
+TEST_F(MainJob, warnings_of_the_result_reach_whoever_reads_the_table) {
+  start_worker();
+  const Outputs run = granary({"run", scene("discharge_small")});  // 47 deg without rolling friction
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("warning: jobs/1: friction_pp_deg > 30"), std::string::npos) << run.err;
+}
+
 TEST_F(MainJob, a_second_request_is_answered_with_the_stored_result) {
   Program& worker = start_worker();
   const Outputs first = granary({"run", scene("discharge_small"), "--format", "json"});

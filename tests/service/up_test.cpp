@@ -52,7 +52,7 @@ TEST_F(Up, starts_a_killed_worker_again) {
     const auto now = children_with(up.pid(), "granary-worker");
     return now.size() == 1 && now[0] != first[0];
   }));
-  EXPECT_TRUE(up.prints("worker 1 was killed by Killed; starting it again")) << up.err();
+  EXPECT_TRUE(up.prints("worker 1 was ended by a signal: Killed; starting it again")) << up.err();
 }
 
 TEST_F(Up, starts_a_killed_server_again_with_its_queue) {
@@ -67,6 +67,16 @@ TEST_F(Up, starts_a_killed_server_again_with_its_queue) {
   EXPECT_TRUE(eventually([&] {
     return run_program(granary({"values", "jobs/1", "--server", address})).exit_code == 0;
   })) << up.err();
+}
+
+TEST_F(Up, leaves_an_address_alone_that_another_server_serves) {
+  Program up(granary({"up", "--workers", "1"}));
+  ASSERT_TRUE(up.prints("Ctrl-C drains")) << up.err();
+  const Outputs second = run_program(
+      granary({"up", "--workers", "1", "--listen", address, "--data", scratch.file("other")}));
+  EXPECT_EQ(second.exit_code, 2);
+  EXPECT_NE(second.err.find("another server serves " + address), std::string::npos) << second.err;
+  EXPECT_TRUE(eventually([&] { return connected() == 1; })) << "of its own, and no other";
 }
 
 TEST_F(Up, interrupt_stops_workers_and_server_and_leaves_no_process) {
@@ -107,7 +117,7 @@ TEST_F(Up, second_one_on_the_same_data_is_refused_and_names_the_first) {
 
 TEST_F(Up, server_that_cannot_start_ends_it_at_once) {
   const Outputs outputs = run_program(granary({"up", "--listen", "192.0.2.1:7443"}));
-  EXPECT_EQ(outputs.exit_code, 4) << outputs.err;
+  EXPECT_EQ(outputs.exit_code, 2) << outputs.err;
 }
 
 TEST_F(Up, long_data_directory_gets_a_short_socket) {

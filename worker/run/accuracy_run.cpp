@@ -235,6 +235,13 @@ ErrorParts AccuracyRun::parts_of(const PilotMeans& means, unsigned replicates) c
 void AccuracyRun::note_choice(unsigned replicates, TaskSpec& spec) const {
   const PilotMeans& means = means_.at(observable());
   const double scale = std::abs(means.at(Pilot::base).mean);
+  if (scale == 0) {
+    const std::string why = observable() + " is 0, which has no relative error";
+    spec.decisions.push_back(decision("replicates", replicates, why));
+    spec.warnings.push_back("accuracy " + percent(target()) + " of " + why +
+                            ": ask for that of another observable");
+    return;
+  }
   const ErrorParts& parts = spec.error_parts.at(observable());
   const double sampling = spread_of(means).of_mean(replicates);
   const double expected = combined(parts, sampling) / scale;
