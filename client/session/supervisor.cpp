@@ -14,7 +14,6 @@ namespace granary::session {
 namespace {
 
 constexpr std::chrono::seconds kServerStart{30};
-constexpr int kUsageExit = 2;  // of granaryd: settings it refuses
 constexpr std::chrono::milliseconds kStartPoll{50};
 constexpr std::chrono::milliseconds kProbeTimeout{500};
 constexpr std::chrono::hours kIdle{1};
@@ -192,7 +191,7 @@ void Supervisor::note_death(Child& child, int wait_status) {
   child.pid = -1;
   const bool left = WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0;
   if (draining_ || (left && &child == &server_)) return;
-  if (&child == &server_ && WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == kUsageExit) {
+  if (&child == &server_ && WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == static_cast<int>(ExitCode::usage)) {
     server_refused_ = true;  // and would again
     return;
   }

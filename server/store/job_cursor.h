@@ -26,7 +26,8 @@ class JobCursor {
   // SQLITE_ROW: row() is that of the job; SQLITE_DONE: it has none; otherwise SQLite's error.
   int move_to(sqlite3_int64 job) {
     if (statement_ == nullptr) return status_;
-    if (job <= before_ || job > at_ + kFarthestWalk) {
+    if (job < 1) return SQLITE_DONE;  // their numbers start at 1
+    if (job <= before_ || (job > at_ && job - at_ > kFarthestWalk)) {
       sqlite3_reset(statement_);
       sqlite3_bind_int64(statement_, 1, job);
       at_ = job - 1;

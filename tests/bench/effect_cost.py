@@ -217,7 +217,7 @@ def cpu_seconds(program, engine):
 EFFECTS = [
     ("dda", "rolling_friction", "rolling", ["rolling"], []),
     ("dda", "cohesion", "cohesion", ["cohesion"], []),
-    ("dda", "tangential_history", "history", ["dashpot_work", "stick_work"],
+    ("dda", "tangential_history", "history", ["stick_work", "stick_change"],
      ["effects.tangential_history=OFF"]),
     ("dda", "particle_rotation", "rotation", [], ["effects.particle_rotation=OFF"]),
     ("dem", "rolling_friction", "rolling_friction", ["rolling"], []),

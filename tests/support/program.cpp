@@ -53,6 +53,9 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 Program::Program(const ProgramOptions& options) {
   std::vector<std::string> command = options.command;
   std::vector<std::string> environment{std::string("PATH=") + getenv("PATH")};
+  for (const char* sanitizer : {"ASAN_OPTIONS", "UBSAN_OPTIONS"})
+    if (const char* value = getenv(sanitizer))
+      environment.push_back(std::string(sanitizer) + "=" + value);
   for (const auto& [name, value] : options.environment) environment.push_back(name + "=" + value);
   std::vector<char*> arguments = pointers(command);
   std::vector<char*> variables = pointers(environment);
@@ -134,7 +137,8 @@ bool Program::prints(const std::string& text, std::chrono::seconds patience) {
   const auto there = [&] {
     return out_.text.find(text) != std::string::npos || err_.text.find(text) != std::string::npos;
   };
-  changed_.wait_for(lock, kSlowdown * patience, [&] { return there() || (out_.ended && err_.ended); });
+  changed_.wait_for(lock, kSlowdown * patience,
+                    [&] { return there() || (out_.ended && err_.ended); });
   return there();
 }
 

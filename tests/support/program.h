@@ -16,7 +16,7 @@ namespace granary::test {
 
 struct ProgramOptions {
   std::vector<std::string> command;
-  std::map<std::string, std::string> environment;  // added to PATH and nothing else
+  std::map<std::string, std::string> environment;  // added to PATH and what sanitizers read
   std::string input;                               // on stdin
   bool on_terminal = false;                        // stderr is a 100-column pseudo-terminal
 };

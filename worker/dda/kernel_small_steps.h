@@ -53,9 +53,6 @@ struct BookedLanes {
   [[gnu::always_inline]] void operator+=(const Lanes& term) {
     if constexpr (kBooked) sum += term;
   }
-  [[gnu::always_inline]] void operator-=(const Lanes& term) {
-    if constexpr (kBooked) sum -= term;
-  }
   double total() const {
     double all_lanes = 0;
     for (std::size_t k = 0; k < kGroupSize; ++k) all_lanes += sum[k];
@@ -322,14 +319,12 @@ void small_sweep(const ContactArrays& contact, std::size_t count, const ContactT
     const Lanes bond = bond_of<kEffects>(gap, terms);
     const Lanes bias = gap * either(gap > 0.0, all(per_step), all(per_step * recovery));
     const Lanes new_n =
-        larger(old_n - (un + bias + terms.compliance_n * old_n) * weight_n,
-               Lanes{} - bond);
+        larger(old_n - (un + bias + terms.compliance_n * old_n) * weight_n, Lanes{} - bond);
     Lanes pressed = new_n;
     if constexpr (kEffects.cohesion) pressed += bond;
     Lanes wanted_t = ut;
     if constexpr (kEffects.history) wanted_t += terms.compliance_t * (old_t - stick);
-    const Lanes new_t =
-        within(old_t - wanted_t * weight_t, terms.friction * pressed);
+    const Lanes new_t = within(old_t - wanted_t * weight_t, terms.friction * pressed);
     const Lanes change_n = new_n - old_n, change_t = new_t - old_t;
     add_impulse<kEffects>(first, second, nx, ny, change_n, change_t, terms.spin_factor);
     if constexpr (kEffects.rolling)

@@ -103,7 +103,7 @@ struct alignas(64) LaneSum {
   }
 };
 // The ledger's sums run over a whole step, and factors common to all contacts are left to its end:
-// booked_of() in small_steps.cpp puts together what the laws did. P_n, P_t = impulses of a small
+// add_list() in small_steps.cpp puts together what the laws did. P_n, P_t = impulses of a small
 // step, o', g' and o, g = overlaps and gaps at its start and end, d = tangential displacement in
 // it, S', S = the tangential spring's impulse at its start and end.
 struct SmallStepSums {
@@ -113,8 +113,8 @@ struct SmallStepSums {
   LaneSum tangential_work;  // P_t d
   LaneSum stick_work;       // S d
   LaneSum stick_change;     // S (S - S') [N2 s2]
-  LaneSum spring_loss;  // (o - o') c / (K h) (o - o'); if it let go, of all the spring held: -(o -
-                        // o') o [m2]
+  // (o - o') c / (K h) (o - o'); of a contact that let go, what its spring held: (o' - o) o [m2]
+  LaneSum spring_loss;
   // J
   LaneSum collision_damping;  // J
   LaneSum collision_friction;

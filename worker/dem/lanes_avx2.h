@@ -187,7 +187,7 @@ inline Rows fetch_from(const GrainMotion* base, const std::uint32_t* first,
   const auto part = [&](int start) {
     return fetch_columns([=](int k) {
       return _mm256_sub_pd(_mm256_load_pd(at(base, first[k]) + start),
-                           _mm256_load_pd(foot[k].position + start));
+                           _mm256_load_pd(reinterpret_cast<const double*>(foot + k) + start));
     });
   };
   return join(part(0), part(4));

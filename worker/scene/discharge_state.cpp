@@ -30,7 +30,8 @@ void get_records(const State& state, const std::string& name, Vector& records) {
   if (numbers.size() % width != 0)
     throw std::runtime_error("state: " + name + " has a wrong width");
   records.resize(numbers.size() / width);
-  std::memcpy(static_cast<void*>(records.data()), numbers.data(), numbers.size() * sizeof(double));
+  if (!numbers.empty())
+    std::memcpy(static_cast<void*>(records.data()), numbers.data(), numbers.size() * sizeof(double));
 }
 
 void put_disks(const dda::Disks& disks, State& state) {

@@ -120,8 +120,11 @@ TEST_F(QueryDoor, gives_each_job_its_own_values_in_whatever_order_they_are_asked
   // 17 is prime to 61: every number from 1 to 60 comes once, far from its neighbours.
   for (const char* order : {"i", "61 - i", "i * 17 % 61"}) {
     const std::string sql =
-        "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 60), asked(i) AS MATERIALIZED "
-        "(SELECT " + std::string(order) + " FROM n) "
+        "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 60), asked(i) AS "
+        "MATERIALIZED "
+        "(SELECT " +
+        std::string(order) +
+        " FROM n) "
         "SELECT asked.i, v.f1_m, v.f1_error_m, v.\"discharge.rotation_rad_per_s\" "
         "FROM asked LEFT JOIN discharge_values v ON v.job = 'jobs/' || asked.i";
     const Status status = ask(sql);
@@ -131,13 +134,29 @@ TEST_F(QueryDoor, gives_each_job_its_own_values_in_whatever_order_they_are_asked
       const std::int64_t i = integer(row, 0);
       if (i % 3 == 0) {
         for (std::size_t column : {1, 2, 3})
-          EXPECT_TRUE(std::holds_alternative<std::monostate>(rows.rows[row][column])) << order << ", job " << i;
+          EXPECT_TRUE(std::holds_alternative<std::monostate>(rows.rows[row][column]))
+              << order << ", job " << i;
         continue;
       }
       EXPECT_EQ(real(row, 1), 0.5 * static_cast<double>(i)) << order;
       EXPECT_EQ(real(row, 2), 0.25) << order;
       EXPECT_EQ(real(row, 3), static_cast<double>(i)) << order;
     }
+  }
+}
+
+TEST_F(QueryDoor, knows_no_job_beyond_the_numbers_there_are) {
+  store_job(8, 1.5);
+  for (const char* job : {"0", "-1", "2", "9223372036854775807", "-9223372036854775807"}) {
+    const std::string number = job;
+    const Status status =
+        ask("SELECT job_value(1, 'f1_m'), job_value(" + number + ", 'f1_m'), scene_field(" +
+            number + ", 'seed'), job_value(1, 'f1_m')");
+    ASSERT_TRUE(status.ok()) << status.error().message;
+    EXPECT_EQ(real(0, 0), 1.5);
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(rows.rows[0][1])) << job;
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(rows.rows[0][2])) << job;
+    EXPECT_EQ(real(0, 3), 1.5);
   }
 }
 
